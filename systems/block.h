@@ -1,0 +1,564 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "pliant/systems/error.h"
+#include "pliant/systems/time.h"
+#include "pliant/systems/value_type.h"
+
+namespace pliant {
+
+class Block;
+class Composite;
+class Context;
+
+/// Which way a guard must pass zero to fire. Reaching zero counts as passing; starting at zero does
+/// not.
+enum class Direction { Rising, Falling, Both };
+
+namespace internal {
+
+struct Plan;
+class PlanBuilder;
+struct Access;
+
+enum class Kind { Input, InputList, Output, Discrete, Continuous, Scratch };
+
+/// What every value knows: its block, its place there and, once built, its place in a context.
+class Value {
+ public:
+  Value(const Value&) = delete;
+  Value& operator=(const Value&) = delete;
+
+  const std::string& name() const;
+  std::string path() const;      ///< such as "arm.position"
+  std::string describe() const;  ///< such as "arm.position : joint position [rad] (shoulder, elbow)"
+
+ protected:
+  Value(Block* block, std::string_view name, Kind kind, const ValueType* type, const Space& space,
+        std::shared_ptr<const void> initial, const ValueType* rate_type = nullptr,
+        std::shared_ptr<const void> rate = nullptr);
+
+ private:
+  friend class pliant::Block;
+  friend class pliant::Composite;
+  friend struct Plan;
+  friend class PlanBuilder;
+  friend struct Access;
+  friend class pliant::Context;
+
+  Block* block_;
+  int index_;
+  const Plan* plan_ = nullptr;
+  std::uint32_t offset_ = 0;   // in the arena
+  std::int32_t rule_ = -1;     // that computes it, in the plan's numbering
+  std::int32_t source_ = -1;   // what it changes, if it is a source
+};
+
+/// The rate of a signal: ẋ of x.
+template <class S>
+struct RateOf {
+  static_assert(!std::is_same_v<S, S>,
+                "a Continuous value needs a rate: give its signal a type Rate");
+};
+template <class S>
+  requires requires { typename S::Rate; }
+struct RateOf<S> {
+  using type = typename S::Rate;
+};
+template <>
+struct RateOf<double> {
+  using type = double;
+};
+
+template <class S>
+std::shared_ptr<const void> Initial(S value) {
+  return std::make_shared<const S>(std::move(value));
+}
+
+}  // namespace internal
+
+/// A value a block reads and another block or the user provides. Without a default it must be
+/// connected.
+template <class S>
+class Input : public internal::Value {
+ public:
+  using Signal = S;
+  using SpaceType = typename internal::SpaceOf<S>::type;
+  Input(Block* block, std::string_view name, const SpaceType& space = {})
+      : Value(block, name, internal::Kind::Input, internal::TypeOf<S>(), space, nullptr) {}
+  Input(Block* block, std::string_view name, const SpaceType& space, S value_when_unconnected)
+      : Value(block, name, internal::Kind::Input, internal::TypeOf<S>(), space,
+              internal::Initial<S>(std::move(value_when_unconnected))) {}
+};
+
+/// What a rule sees of an InputList: the joined values in the order of their wires.
+template <class S>
+class Joined {
+ public:
+  Joined(const std::byte* arena, const std::uint32_t* offsets, std::uint32_t size)
+      : arena_{arena}, offsets_{offsets}, size_{size} {}
+  int size() const { return static_cast<int>(size_); }
+  const S& operator[](int i) const {
+    return *std::launder(reinterpret_cast<const S*>(arena_ + offsets_[i]));
+  }
+
+ private:
+  const std::byte* arena_;
+  const std::uint32_t* offsets_;
+  std::uint32_t size_;
+};
+
+/// An input that any number of outputs may join, none included.
+template <class S>
+class InputList : public internal::Value {
+ public:
+  using Signal = S;
+  using SpaceType = typename internal::SpaceOf<S>::type;
+  InputList(Block* block, std::string_view name, const SpaceType& space = {})
+      : Value(block, name, internal::Kind::InputList, internal::TypeOf<S>(), space, nullptr) {}
+};
+
+/// What a rule sees of AnyInputs: values of any types.
+class AnyValues {
+ public:
+  AnyValues(const std::byte* arena, const std::uint32_t* offsets, std::uint32_t size,
+            const internal::ValueType* const* types)
+      : arena_{arena}, offsets_{offsets}, size_{size}, types_{types} {}
+  int size() const { return static_cast<int>(size_); }
+  const internal::ValueType& type(int i) const { return *types_[i]; }
+  const void* operator[](int i) const { return arena_ + offsets_[i]; }
+
+ private:
+  const std::byte* arena_;
+  const std::uint32_t* offsets_;
+  std::uint32_t size_;
+  const internal::ValueType* const* types_;
+};
+
+/// An input that any values of any types may join, as a logger has it.
+class AnyInputs : public internal::Value {
+ public:
+  AnyInputs(Block* block, std::string_view name)
+      : Value(block, name, internal::Kind::InputList, nullptr, {}, nullptr) {}
+};
+
+/// A value a block shows. Ruled by `Compute` it follows its arguments at every instant; ruled by
+/// `Every(h).Compute` it is held between its ticks, and `before` is its value until the first.
+template <class S>
+class Output : public internal::Value {
+ public:
+  using Signal = S;
+  using SpaceType = typename internal::SpaceOf<S>::type;
+  Output(Block* block, std::string_view name, const SpaceType& space = {})
+      : Output(block, name, space, internal::ZeroOf<S>(space)) {}
+  Output(Block* block, std::string_view name, const SpaceType& space, S before)
+      : Value(block, name, internal::Kind::Output, internal::TypeOf<S>(), space,
+              internal::Initial<S>(std::move(before))) {}
+};
+
+/// State that events change: the memory of a true delay, a mode, a warm start.
+template <class S>
+class Discrete : public internal::Value {
+ public:
+  using Signal = S;
+  using SpaceType = typename internal::SpaceOf<S>::type;
+  Discrete(Block* block, std::string_view name, const SpaceType& space = {})
+      : Discrete(block, name, space, internal::ZeroOf<S>(space)) {}
+  Discrete(Block* block, std::string_view name, const SpaceType& space, S initial)
+      : Value(block, name, internal::Kind::Discrete, internal::TypeOf<S>(), space,
+              internal::Initial<S>(std::move(initial))) {}
+};
+
+/// State that is integrated; ruled by `Derivative`, and events may reset it.
+template <class S>
+class Continuous : public internal::Value {
+ public:
+  using Signal = S;
+  using Rate = typename internal::RateOf<S>::type;
+  using SpaceType = typename internal::SpaceOf<S>::type;
+  Continuous(Block* block, std::string_view name, const SpaceType& space = {})
+      : Continuous(block, name, space, internal::ZeroOf<S>(space)) {}
+  Continuous(Block* block, std::string_view name, const SpaceType& space, S initial)
+      : Value(block, name, internal::Kind::Continuous, internal::TypeOf<S>(), space,
+              internal::Initial<S>(std::move(initial)), internal::TypeOf<Rate>(),
+              internal::Initial<Rate>(internal::ZeroOf<Rate>(space))) {}
+};
+
+/// A workspace of a rule, one per context: never part of the state, never copied with it. A rule
+/// gets it to write to, and no result may depend on what it held before.
+template <class S>
+class Scratch : public internal::Value {
+ public:
+  using Signal = S;
+  Scratch(Block* block, std::string_view name, S fresh = {})
+      : Value(block, name, internal::Kind::Scratch, internal::TypeOf<S>(), {},
+              internal::Initial<S>(std::move(fresh))) {}
+};
+
+/// The time [s], for rules to read as a double.
+struct Clock {};
+
+namespace internal {
+
+enum class RuleKind { Compute, Held, Derivative, Update, Publish };
+enum class Trigger { None, Periodic, Guard, Start, Step };
+
+using RunRule = void (*)(const void* function, const Block* self, std::byte* arena,
+                         const std::uint32_t* slots);
+
+inline constexpr int kClockIndex = -1;
+
+struct Rule {
+  RuleKind kind = RuleKind::Compute;
+  Trigger trigger = Trigger::None;
+  Duration period, offset;
+  int guard = 0;
+  Direction direction = Direction::Both;
+  std::vector<int> targets;
+  std::vector<int> arguments;  // indices of the block's values, or kClockIndex
+  RunRule run = nullptr;
+  std::shared_ptr<const void> function;
+};
+
+template <class T>
+T& At(std::byte* arena, std::uint32_t offset) {
+  return *std::launder(reinterpret_cast<T*>(arena + offset));
+}
+
+/// How a rule receives a value of each kind; `Get` finds it in the arena.
+template <class V>
+struct Argument {
+  using S = typename V::Signal;
+  using type = const S&;
+  static type Get(std::byte* arena, const std::uint32_t* slots, std::size_t i) {
+    return At<S>(arena, slots[i]);
+  }
+};
+template <class S>
+struct Argument<Scratch<S>> {
+  using type = S&;
+  static type Get(std::byte* arena, const std::uint32_t* slots, std::size_t i) {
+    return At<S>(arena, slots[i]);
+  }
+};
+template <class S>
+struct Argument<InputList<S>> {
+  using type = Joined<S>;
+  static type Get(std::byte* arena, const std::uint32_t* slots, std::size_t i) {
+    const std::uint32_t* list = slots + slots[i];
+    return {arena, list + 1, list[0]};
+  }
+};
+template <>
+struct Argument<AnyInputs> {
+  using type = AnyValues;
+  static type Get(std::byte* arena, const std::uint32_t* slots, std::size_t i) {
+    const std::uint32_t* list = slots + slots[i];
+    const ValueType* const* types;  // stored behind the offsets, where the plan put them
+    std::memcpy(&types, list + 1 + list[0], sizeof(types));
+    return {arena, list + 1, list[0], types};
+  }
+};
+template <>
+struct Argument<Clock> {
+  using type = double;
+  static type Get(std::byte* arena, const std::uint32_t*, std::size_t) {
+    return At<double>(arena, 0);  // the clock is the first value of every arena
+  }
+};
+
+template <class V>
+constexpr bool IsState = false;
+template <class S>
+constexpr bool IsState<Discrete<S>> = true;
+template <class S>
+constexpr bool IsState<Continuous<S>> = true;
+
+template <class R>
+constexpr bool IsExpression = false;
+template <class R>
+  requires requires { typename R::PlainObject; }
+constexpr bool IsExpression<R> =
+    !std::is_base_of_v<Eigen::PlainObjectBase<typename R::PlainObject>, R>;
+
+template <class F>
+struct MemberOf {
+  using type = void;
+};
+template <class R, class C, class... A>
+struct MemberOf<R (C::*)(A...) const> {
+  using type = C;
+};
+template <class R, class C, class... A>
+struct MemberOf<R (C::*)(A...)> {
+  using type = C;
+  static_assert(!std::is_same_v<C, C>, "a rule is a const function: values in, value out");
+};
+
+template <class F, class... X>
+decltype(auto) Call(const void* function, const Block* self, X&&... x);
+template <class F, class... X>
+constexpr bool Callable();
+
+template <class Targets, class Arguments>
+class RuleAs;
+
+/// `From` of a rule: the values it reads, in the order of the function's parameters.
+template <class... T>
+class RuleFrom {
+ public:
+  RuleFrom(Block* block, Rule rule) : block_{block}, rule_{std::move(rule)} {}
+
+  template <class... V>
+  auto From(const V&... values) &&;
+
+ private:
+  Block* block_;
+  Rule rule_;
+};
+
+template <class... T, class... V>
+class RuleAs<std::tuple<T...>, std::tuple<V...>> {
+ public:
+  RuleAs(Block* block, Rule rule) : block_{block}, rule_{std::move(rule)} {}
+
+  /// The function: a const member function, or a lambda that captures nothing. It takes the values
+  /// named in From and returns what is ruled (a std::tuple if there are several), or takes
+  /// references to what is ruled first and writes in place.
+  template <class F>
+  void As(F f) &&;
+
+ private:
+  Block* block_;
+  Rule rule_;
+};
+
+}  // namespace internal
+
+/// Named values and the rules between them. A block overrides nothing: its constructor declares
+/// values, then rules, and a rule's arguments are its dependencies.
+class Block {
+ public:
+  virtual ~Block() = default;
+  Block(const Block&) = delete;
+  Block& operator=(const Block&) = delete;
+
+  const std::string& name() const { return name_; }
+  std::string path() const;  ///< "arm" or, nested, "station.arm"
+
+ protected:
+  Block() = default;
+
+  /// y follows its arguments.
+  template <class S>
+  internal::RuleFrom<S> Compute(const Output<S>& y) {
+    return {this, NewRule(internal::RuleKind::Compute, y)};
+  }
+
+  /// ẋ. The rate of a JointPosition is a JointVelocity, and so on.
+  template <class S>
+  internal::RuleFrom<typename Continuous<S>::Rate> Derivative(const Continuous<S>& x) {
+    return {this, NewRule(internal::RuleKind::Derivative, x)};
+  }
+
+  /// What happens at an event: updates of state, read before any is written, and publishing.
+  class Event {
+   public:
+    template <class... V>
+    internal::RuleFrom<typename V::Signal...> Update(const V&... x) const {
+      static_assert((internal::IsState<V> && ...), "an event updates Discrete and Continuous values");
+      return {block_, Make(internal::RuleKind::Update, x...)};
+    }
+    /// The only rules with side effects. They run after held outputs and before updates.
+    internal::RuleFrom<> Publish() const {
+      return {block_, Make(internal::RuleKind::Publish)};
+    }
+
+   protected:
+    friend class Block;
+    Event(Block* block, internal::Rule rule) : block_{block}, rule_{std::move(rule)} {}
+
+    template <class... V>
+    internal::Rule Make(internal::RuleKind kind, const V&... targets) const {
+      internal::Rule rule = rule_;
+      rule.kind = kind;
+      rule.targets = {block_->IndexOf(targets)...};
+      return rule;
+    }
+
+    Block* block_;
+    internal::Rule rule_;
+  };
+
+  class PeriodicEvent : public Event {
+   public:
+    /// y is held: computed at each tick in the order of the signals, and it may read its last value.
+    template <class S>
+    internal::RuleFrom<S> Compute(const Output<S>& y) const {
+      return {block_, Make(internal::RuleKind::Held, y)};
+    }
+
+   private:
+    friend class Block;
+    using Event::Event;
+  };
+
+  class Guard {
+   public:
+    Event Crosses(Direction direction) const {
+      internal::Rule rule = rule_;
+      rule.direction = direction;
+      return {block_, std::move(rule)};
+    }
+
+   private:
+    friend class Block;
+    Guard(Block* block, internal::Rule rule) : block_{block}, rule_{std::move(rule)} {}
+    Block* block_;
+    internal::Rule rule_;
+  };
+
+  /// Ticks at offset + k·period, k = 0, 1, …
+  PeriodicEvent Every(Duration period, Duration offset = {});
+  Event Publishing(Duration period) { return Every(period); }
+
+  /// The instant the output passes zero.
+  Guard When(const Output<double>& guard);
+
+  /// Once, before the first tick.
+  Event AtStart();
+
+  /// After every step of the integrator.
+  Event AtEveryStep();
+
+  /// Publishes every h: short for Every(period).Publish().
+  internal::RuleFrom<> Publish(Duration period) { return Every(period).Publish(); }
+
+  static constexpr Clock clock{};
+
+ private:
+  friend class internal::Value;
+  friend class Composite;
+  friend struct internal::Plan;
+  friend class internal::PlanBuilder;
+  friend struct internal::Access;
+  template <class...>
+  friend class internal::RuleFrom;
+  template <class, class>
+  friend class internal::RuleAs;
+
+  struct Wire {
+    const Block* block;
+    int value;
+  };
+  struct Declared {
+    internal::Kind kind;
+    std::string name;
+    const internal::ValueType* type;
+    Space space;
+    std::shared_ptr<const void> initial;
+    internal::Value* value;
+    const internal::ValueType* rate_type;
+    std::shared_ptr<const void> rate;
+    std::vector<Wire> from;
+  };
+
+  internal::Rule NewRule(internal::RuleKind kind, const internal::Value& target) const;
+  int IndexOf(const internal::Value& value) const;
+  int IndexOf(const Clock&) const { return internal::kClockIndex; }
+
+  std::string name_;
+  const Composite* parent_ = nullptr;
+  int number_ = -1;  // in the plan
+  std::vector<Declared> values_;
+  std::vector<internal::Rule> rules_;
+};
+
+// ---------------------------------------------------------------------------------------------
+
+namespace internal {
+
+template <class F, class... X>
+decltype(auto) Call(const void* function, const Block* self, X&&... x) {
+  const F& f = *static_cast<const F*>(function);
+  using C = typename MemberOf<F>::type;
+  if constexpr (std::is_void_v<C>) {
+    return f(std::forward<X>(x)...);
+  } else {
+    return (static_cast<const C*>(self)->*f)(std::forward<X>(x)...);
+  }
+}
+
+template <class F, class... X>
+constexpr bool Callable() {
+  using C = typename MemberOf<F>::type;
+  if constexpr (std::is_void_v<C>) {
+    return std::is_invocable_v<const F&, X...>;
+  } else {
+    return std::is_invocable_v<const F&, const C&, X...>;
+  }
+}
+
+template <class... T>
+template <class... V>
+auto RuleFrom<T...>::From(const V&... values) && {
+  rule_.arguments = {block_->IndexOf(values)...};
+  return RuleAs<std::tuple<T...>, std::tuple<V...>>(block_, std::move(rule_));
+}
+
+template <class... T, class... V>
+template <class F>
+void RuleAs<std::tuple<T...>, std::tuple<V...>>::As(F f) && {
+  constexpr bool kReturns = Callable<F, typename Argument<V>::type...>();
+  constexpr bool kWrites = Callable<F, T&..., typename Argument<V>::type...>();
+  static_assert(kReturns || kWrites,
+                "a rule's parameters are the values named in From, in that order");
+  static_assert(sizeof...(T) == 0 || std::is_member_function_pointer_v<F> || std::is_empty_v<F>,
+                "a rule reads its arguments and the block's constants: capture nothing");
+  if constexpr (kReturns || kWrites) {
+    rule_.function = std::make_shared<const F>(std::move(f));
+    rule_.run = [](const void* function, const Block* self, std::byte* arena,
+                   const std::uint32_t* slots) {
+      [&]<std::size_t... t, std::size_t... v>(std::index_sequence<t...>,
+                                              std::index_sequence<v...>) {
+        constexpr std::size_t n = sizeof...(T);
+        if constexpr (n == 0) {
+          Call<F>(function, self, Argument<V>::Get(arena, slots, v)...);
+        } else if constexpr (kReturns) {
+          using R = std::remove_cvref_t<decltype(Call<F>(function, self,
+                                                         Argument<V>::Get(arena, slots, v)...))>;
+          if constexpr (n == 1) {
+            using T0 = std::tuple_element_t<0, std::tuple<T...>>;
+            static_assert(std::is_convertible_v<R, T0>,
+                          "a rule returns the quantity it rules");
+            static_assert(!IsExpression<R>,
+                          "a rule returns a value: give the Eigen expression a type");
+            At<T0>(arena, slots[0]) =
+                Call<F>(function, self, Argument<V>::Get(arena, slots + n, v)...);
+          } else {
+            static_assert(std::is_convertible_v<R, std::tuple<T...>>,
+                          "a rule of several values returns a std::tuple of them");
+            std::tie(At<T>(arena, slots[t])...) =
+                Call<F>(function, self, Argument<V>::Get(arena, slots + n, v)...);
+          }
+        } else {
+          Call<F>(function, self, At<T>(arena, slots[t])...,
+                  Argument<V>::Get(arena, slots + n, v)...);
+        }
+      }(std::index_sequence_for<T...>{}, std::index_sequence_for<V...>{});
+    };
+    block_->rules_.push_back(std::move(rule_));
+  }
+}
+
+}  // namespace internal
+}  // namespace pliant

@@ -1,0 +1,112 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "pliant/systems/diagram.h"
+#include "pliant/systems/integrator.h"
+
+namespace pliant {
+
+/// Advances a diagram in time.
+///
+/// Ticks fall on whole nanoseconds. At the instant of a tick:
+///
+///   1. held outputs due, in the order of the signals      y_k = f(y_{k−1}, u_k)
+///   2. publish rules                                      they see x_k, y_k, u_k
+///   3. updates due, which read x_k and the new y_k; then all are committed at once
+///
+/// Between ticks the continuous state follows SUNDIALS. A guard is sampled on the dense output of
+/// every step, at least every `guard_spacing_s` and, after it fired, from a nanosecond on at doubled
+/// distances; a change of sign is located to the resolution of a double. So two crossings are found
+/// if they are further apart than the spacing. Guards go before a tick at the same instant; a guard
+/// that jumps over zero at an event fires at once. A guard that is zero at start has not crossed.
+///
+/// AdvanceTo(t) ends before the events at t, which begin the next call; a run split into many calls
+/// is the same run, bit for bit.
+class Simulator {
+ public:
+  struct Options {
+    IntegratorOptions integrator = {};
+    double guard_spacing_s = 1e-3;  ///< > 0
+    /// A guard that fires three times at intervals shorter than this is reported as Zeno behaviour.
+    double zeno_interval_s = 1e-4;
+  };
+
+  /// Starts at t = 0 with the initial values and runs the AtStart rules. The diagram must outlive
+  /// the simulator.
+  explicit Simulator(const Diagram& diagram) : Simulator(diagram, Options{}) {}
+  Simulator(const Diagram& diagram, const Options& options);
+  ~Simulator();
+
+  /// Advances to t [s], rounded to whole nanoseconds. Throws Error if the integrator cannot: with
+  /// the time, the state and the reason.
+  void AdvanceTo(double t);
+
+  double time() const { return context_.time(); }
+
+  template <class V>
+  const typename V::Signal& Get(const V& value) {
+    return context_.Get(value);
+  }
+
+  /// Changes an unconnected input or a state now.
+  template <class V>
+  void Set(const V& value, const typename V::Signal& x) {
+    context_.Set(value, x);
+    Restart();
+  }
+
+  /// A copy of everything that changes. Taking it resets the integrator, so that the run that goes on
+  /// and a run restored from it are the same, bit for bit.
+  Context Snapshot();
+  void Restore(const Context& snapshot);
+
+  /// The same to and from a file. A failed Save leaves an older file as it was.
+  void Save(const std::filesystem::path& file);
+  void Restore(const std::filesystem::path& file);
+
+  Context& context() { return context_; }
+  const Diagram& diagram() const { return diagram_; }
+  Integrator::Statistics statistics() const;
+
+ private:
+  struct Step;  // the stretch the integrator has gone ahead
+  static bool Rate(void* self, double t, std::span<const double> x, std::span<double> rate);
+
+  void Start();
+  void Restart();
+  void TakeStep();
+  void Show(double t);
+  void Tick();
+  void Fire(std::size_t guard);
+  bool Happen(const internal::Happening& h);
+  void Update(const internal::Happening& h);
+  void PublishAll(const internal::Happening& h);
+
+  double GuardAt(std::size_t guard, double t);
+  double GuardNow(std::size_t guard);
+  bool Crosses(std::size_t guard, double before, double now) const;
+  double Locate(std::size_t guard, double a, double b);
+  void SampleGuards(double from, double to);
+  void FindJumps();
+  double StopTime() const;
+  std::size_t NextRate() const;
+
+  const Diagram& diagram_;
+  const internal::Plan& plan_;
+  Options options_;
+  Context context_;
+  std::unique_ptr<Integrator> integrator_;  // none without continuous states
+
+  double lo_ = 0, hi_ = 0;  // the integrator's last step, cut at a guard
+  int guard_ = -1;          // the guard that fires at hi_
+  bool fresh_ = true;       // lo_ is an event: sample guards finely behind it
+  int fired_last_ = -1;
+  std::vector<double> sides_, buffer_;
+  std::exception_ptr thrown_;
+};
+
+}  // namespace pliant

@@ -1,0 +1,1 @@
+pliant_test(systems/low_pass_test.cc LIBRARIES pliant::systems)
