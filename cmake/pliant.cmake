@@ -22,7 +22,9 @@ file(CREATE_LINK ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR}/include/pliant SYMB
 
 # Compile and link options of all targets of the tree; nothing of it is exported.
 add_library(pliant_options INTERFACE)
-target_compile_options(pliant_options INTERFACE -Wall -Wextra -Wshadow)
+# A rule's parameter may have the name of the port it reads: GCC's -Wshadow forbids it, Clang's does not.
+target_compile_options(pliant_options INTERFACE -Wall -Wextra
+                       $<IF:$<CXX_COMPILER_ID:GNU>,-Wshadow=local,-Wshadow>)
 if(PLIANT_WERROR)
   target_compile_options(pliant_options INTERFACE -Werror)
 endif()
