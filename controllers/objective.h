@@ -1,0 +1,55 @@
+#pragma once
+
+#include "pliant/plants/robot_dynamics.h"
+#include "pliant/systems/signal.h"
+
+namespace pliant {
+
+/// Up to 6 numbers of a task, angular part first where there is one.
+using TaskVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, 6, 1>;
+using TaskMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 6, 6>;
+
+/// What a task wants of the joint accelerations, as a term of a least-squares problem:
+///
+///   w ‖A q̈ − b‖²
+///
+/// m×n, m, m ≤ n or ≤ 6. Made once at its size, then only written in place.
+struct Objective {
+  using Space = Joints;
+  static constexpr Quantity quantity{"objective", ""};
+
+  JointMatrix A;
+  PerJoint b;
+  double weight = 0;
+
+  /// A term of m rows that wants nothing.
+  static Objective Zero(int rows, int joints) {
+    return {JointMatrix::Zero(rows, joints), PerJoint::Zero(rows), 0};
+  }
+
+  template <class Visitor>
+  void Fields(Visitor&& f) {
+    f("A", A, "");
+    f("b", b, "");
+    f("weight", weight, "");
+  }
+};
+
+/// lower ≤ q̈ ≤ upper, element by element [rad/s²]; ∓∞ where there is no bound.
+struct AccelerationBounds {
+  using Space = Joints;
+  static constexpr Quantity quantity{"acceleration bounds", "rad/s²"};
+
+  PerJoint lower, upper;
+
+  template <class Visitor>
+  void Fields(Visitor&& f) {
+    f("lower", lower, "rad/s²");
+    f("upper", upper, "rad/s²");
+  }
+};
+
+/// Throws unless Γ is a symmetric positive semi-definite matrix of that size.
+void RequireCompliance(const Eigen::Ref<const Eigen::MatrixXd>& gamma, Eigen::Index size);
+
+}  // namespace pliant

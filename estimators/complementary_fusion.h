@@ -1,0 +1,53 @@
+#pragma once
+
+#include "pliant/systems/block.h"
+
+namespace pliant {
+
+/// The external torque below K/2π Hz from a momentum observer and above it from a wrist sensor:
+///
+///   τ̂_e = r + s/(K + s) τ_s,   τ_s = J_sᵀ F_s
+///
+/// with the same K as the observer, so that the sum is τ_e where τ_s is. The high-pass is
+/// τ_s,k − l_k, with l filtered as the observer filters,
+///
+///   l_k = e^{−K h} l_{k−1} + (1 − e^{−K h}) ½ (τ_s,k + τ_s,k−1),   l_0 = 0
+///
+/// Source: Celerier et al. 2025 (26).
+class ComplementaryFusion final : public Block {
+ public:
+  struct Options {
+    Joints joints;
+    PerJoint gain;    ///< K [1/s], each > 0, the observer's
+    Duration period;  ///< h
+  };
+
+  struct Memory {
+    using Space = Joints;
+    static constexpr Quantity quantity{"complementary fusion memory", ""};
+
+    JointTorque low;   ///< l
+    JointTorque last;  ///< τ_s
+
+    template <class Visitor>
+    void Fields(Visitor&& f) {
+      f("low", low, "N·m");
+      f("last", last, "N·m");
+    }
+  };
+
+  explicit ComplementaryFusion(const Options& o);
+
+  Input<JointTorque> residual;         ///< r
+  Input<JointTorque> sensor_torque;    ///< τ_s
+  Output<JointTorque> external_torque; ///< τ̂_e
+
+ private:
+  Memory Next(const Memory& last, const JointTorque& tau_s) const;
+  JointTorque Fuse(const JointTorque& r, const Memory& m) const { return r + m.last - m.low; }
+
+  const PerJoint decay_;  // e^{−K h}
+  Output<Memory> memory_;
+};
+
+}  // namespace pliant

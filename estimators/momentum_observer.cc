@@ -1,0 +1,36 @@
+#include "pliant/estimators/momentum_observer.h"
+
+namespace pliant {
+
+namespace {
+
+MomentumObserver::Memory Blank(const Joints& joints) {
+  return {JointTorque::Zero(joints), JointMomentum::Zero(joints), JointTorque::Zero(joints), false};
+}
+
+}  // namespace
+
+MomentumObserver::MomentumObserver(const Options& o)
+    : dynamics{this, "dynamics", o.joints},
+      torque{this, "torque", o.joints},
+      residual{this, "residual", o.joints},
+      decay_{(-o.gain * seconds(o.period)).array().exp()},
+      h_{seconds(o.period)},
+      memory_{this, "memory", o.joints, Blank(o.joints)} {
+  Require(o.gain.size() == o.joints.size(),
+          "gain has an element for each of the " + Text(o.joints.size()) + " joints", o.gain.size());
+  Require(o.gain.minCoeff() > 0, "every gain must be > 0", o.gain.minCoeff());
+  Every(o.period).Compute(memory_).From(memory_, dynamics, torque).As(&MomentumObserver::Next);
+  Compute(residual).From(memory_).As([](const Memory& m) { return m.r; });
+}
+
+MomentumObserver::Memory MomentumObserver::Next(const Memory& last, const RobotDynamics& d,
+                                                const JointTorque& tau) const {
+  Memory now{last.r, d.p, d.coriolis_transposed - d.gravity, true};
+  if (!last.started) return now;
+  const PerJoint tau_e = (now.p - last.p) / h_ - tau - 0.5 * (now.beta + last.beta);
+  now.r = decay_.cwiseProduct(last.r) + (1 - decay_.array()).matrix().cwiseProduct(tau_e);
+  return now;
+}
+
+}  // namespace pliant
