@@ -8,12 +8,12 @@ namespace pliant {
 
 /// How a tick of ComplianceQp ended.
 struct ComplianceQpReport {
-  using Space = Nothing;
+  using Space = Joints;
   static constexpr Quantity quantity{"compliance QP report", ""};
 
   enum class Outcome : std::uint8_t {
     Solved,    ///< all limits hold
-    Relaxed,   ///< acceleration bounds contradicted torque limits and were left out
+    Relaxed,   ///< acceleration bounds are exceeded by `slack`, torque limits hold
     Fallback,  ///< no solution: damped gravity compensation
   };
 
@@ -22,6 +22,7 @@ struct ComplianceQpReport {
   int iterations = 0;
   /// What contradicted: a Bound is an acceleration bound, a Row a torque limit, by joint.
   QpLimits conflict;
+  PerJoint slack;  ///< by how much q̈_d is outside of the acceleration bounds [rad/s²]
 
   template <class Visitor>
   void Fields(Visitor&& f) {
@@ -29,21 +30,27 @@ struct ComplianceQpReport {
     f("status", status, "");
     f("iterations", iterations, "");
     f("conflict", conflict, "");
+    f("slack", slack, "rad/s²");
   }
 };
 
-/// The mid-level controller: the joint acceleration that serves all tasks best inside all limits, and
-/// the torque that brings it about whatever pushes the arm:
+/// The mid-level controller: the joint acceleration that serves all tasks best inside all limits,
+/// and the torque that brings it about whatever pushes the arm:
 ///
 ///   min Σ_k w_k ‖A_k q̈ʳ − b_k‖²                                                       (EC 9)
 ///   s.t. τ⁻ ≤ M q̈ʳ + C q̇ + g − τ̂_e ≤ τ⁺                                            (EC 10)
 ///        bounds of every damper on q̈ʳ                                            (EC 23, 24)
 ///   τ_d = M q̈_d + C q̇ + g − τ̂_e                                                      (EC 8)
 ///
-/// sampled every h. One objective must have full rank, as a posture task has, so that the problem is
-/// strictly convex. Torque limits always hold. If acceleration bounds contradict them or each other,
-/// the bounds are left out for the tick; without any solution the arm gets g − d q̇ inside the torque
-/// limits (zero where that is no number). Both are reported.
+/// sampled every h. One objective must have full rank, as a posture task has, so that the problem
+/// is strictly convex. Torque limits always hold. Where acceleration bounds contradict them or each
+/// other, the bounds give way before the tasks count: s is added,
+///
+///   min Σ_k w_k ‖A_k q̈ʳ − b_k‖² + ρ ‖s‖²,   lower − s ≤ q̈ʳ ≤ upper + s,   ρ = 10⁴ tr Σ_k w_k A_kᵀ
+///   A_k
+///
+/// Without any solution the arm gets g − d q̇ inside the torque limits (zero where that is no
+/// number). Both are reported.
 ///
 /// Source: Celerier et al. 2025 (EC).
 class ComplianceQp final : public Block {
@@ -82,7 +89,7 @@ class ComplianceQp final : public Block {
     }
   };
   struct Workspace {
-    QpProblem problem;
+    QpProblem problem, relaxed;
     QpWorkspace solver;
     QpSolution solution;
   };
@@ -90,6 +97,8 @@ class ComplianceQp final : public Block {
   void Solve(Solution& out, const Solution& last, Workspace& w, const RobotDynamics& d,
              const JointTorque& tau_e, const JointTorque& limit, const Joined<Objective>& terms,
              const Joined<AccelerationBounds>& dampers) const;
+
+  JointTorque Fallback(const RobotDynamics& d, const JointTorque& limit) const;
 
   const double d_;
   Output<Solution> solution_;

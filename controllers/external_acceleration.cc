@@ -6,7 +6,7 @@ namespace pliant {
 
 ExternalAcceleration::ExternalAcceleration(const Options& o)
     : dynamics{this, "dynamics", o.joints},
-      external_torque{this, "external_torque", o.joints},
+      external_torque{this, "external_torque", o.joints, JointTorque::Zero(o.joints)},
       acceleration{this, "acceleration", o.joints} {
   Compute(acceleration)
       .From(dynamics, external_torque)

@@ -15,7 +15,7 @@ class ExternalAcceleration final : public Block {
   explicit ExternalAcceleration(const Options& o);
 
   Input<RobotDynamics> dynamics;
-  Input<JointTorque> external_torque;  ///< τ̂_e
+  Input<JointTorque> external_torque;  ///< τ̂_e; 0 if not connected
   Output<JointAcceleration> acceleration;
 };
 

@@ -1,24 +1,18 @@
 #include "pliant/controllers/frame_task.h"
 
-#include <algorithm>
-
 #include <Eigen/Geometry>
+#include <cmath>
 
 namespace pliant {
 
 namespace {
 
-int FrameIndex(const FrameTask::Options& o) {
-  const auto found = std::ranges::find(o.frames, o.frame);
-  Require(found != o.frames.end(), "frame must be one of the frames of the dynamics", o.frame);
-  return static_cast<int>(found - o.frames.begin());
-}
-
 int Rows(FrameTask::Part part) { return part == FrameTask::Part::Pose ? 6 : 3; }
 
 TaskVector Checked(const TaskVector& x, int rows, const std::string& name) {
   Require(x.size() == rows, name + " has " + Text(rows) + " elements", x.size());
-  Require(x.allFinite() && x.minCoeff() >= 0, "every " + name + " must be >= 0", x.transpose());
+  Require(x.allFinite() && x.minCoeff() >= 0, "every " + name + " must be finite and >= 0",
+          x.transpose());
   return x;
 }
 
@@ -26,6 +20,15 @@ TaskMatrix CheckedCompliance(const TaskMatrix& gamma, int rows) {
   if (gamma.size() == 0) return TaskMatrix::Zero(rows, rows);
   RequireCompliance(gamma, rows);
   return gamma;
+}
+
+Pose Checked(const Pose& X) {
+  Require(X.position.allFinite(), "target position must be finite", X.position.transpose());
+  const Eigen::Matrix3d& R = X.rotation;
+  // A rotation that was written down with nine digits passes.
+  Require((R * R.transpose()).isIdentity(1e-8) && R.determinant() > 0,
+          "target rotation must be a rotation: R Rᵀ = I, det R = 1, got\n" + Text(R));
+  return X;
 }
 
 /// log of a rotation as a vector: the axis times the angle.
@@ -40,51 +43,58 @@ FrameTask::FrameTask(const Options& o)
     : dynamics{this, "dynamics", o.model.joints()},
       external_acceleration{this, "external_acceleration", o.model.joints(),
                             JointAcceleration::Zero(o.model.joints())},
-      target{this, "target", {}, o.target},
+      target{this, "target", {}, Checked(o.target)},
       target_twist{this, "target_twist", {}, Twist{}},
       target_acceleration{this, "target_acceleration", {}, Twist{}},
       stiffness{this, "stiffness", {}, Checked(o.stiffness, Rows(o.part), "stiffness")},
       damping{this, "damping", {}, Checked(o.damping, Rows(o.part), "damping")},
       weight{this, "weight", {}, o.weight},
       compliance{this, "compliance", {}, CheckedCompliance(o.compliance, Rows(o.part))},
+      frame{this,
+            "frame",
+            {},
+            PointDynamics(o.model, RobotDynamics(o.model), o.model.link_index(o.frame), {0, 0, 0})},
       error{this, "error", {}, TaskVector::Zero(Rows(o.part))},
       error_rate{this, "error_rate", {}, TaskVector::Zero(Rows(o.part))},
       objective{this, "objective", o.model.joints(), Objective::Zero(Rows(o.part), o.model.size())},
-      index_{FrameIndex(o)},
+      model_{o.model},
+      link_{o.model.link_index(o.frame)},
       first_{o.part == Part::Position ? 3 : 0},
       rows_{Rows(o.part)} {
-  Require(o.weight > 0, "weight must be > 0", o.weight);
-  Compute(error).From(dynamics, target).As(&FrameTask::Error);
-  Compute(error_rate).From(dynamics, target_twist).As(&FrameTask::ErrorRate);
+  Require(o.weight > 0 && std::isfinite(o.weight), "weight must be finite and > 0", o.weight);
+  Compute(frame).From(dynamics).As(&FrameTask::Find);
+  Compute(error).From(frame, target).As(&FrameTask::Error);
+  Compute(error_rate).From(frame, target_twist).As(&FrameTask::ErrorRate);
   Compute(objective)
-      .From(dynamics, external_acceleration, error, error_rate, target_acceleration, stiffness,
+      .From(frame, external_acceleration, error, error_rate, target_acceleration, stiffness,
             damping, weight, compliance)
       .As(&FrameTask::Want);
 }
 
-TaskVector FrameTask::Error(const RobotDynamics& d, const Pose& X) const {
-  const Pose& now = d.frame[static_cast<std::size_t>(index_)].pose;
+FrameDynamics FrameTask::Find(const RobotDynamics& d) const {
+  return PointDynamics(model_, d, link_, {0, 0, 0});
+}
+
+TaskVector FrameTask::Error(const FrameDynamics& now, const Pose& X) const {
   Vector6 e;
-  e << Log(now.rotation * X.rotation.transpose()), now.position - X.position;
+  e << Log(now.pose.rotation * X.rotation.transpose()), now.pose.position - X.position;
   return e.segment(first_, rows_);
 }
 
-TaskVector FrameTask::ErrorRate(const RobotDynamics& d, const Twist& V) const {
-  const Vector6 rate = d.frame[static_cast<std::size_t>(index_)].twist - V;
+TaskVector FrameTask::ErrorRate(const FrameDynamics& now, const Twist& V) const {
+  const Vector6 rate = now.twist - V;
   return rate.segment(first_, rows_);
 }
 
-void FrameTask::Want(Objective& out, const RobotDynamics& d, const JointAcceleration& qdd_e,
+void FrameTask::Want(Objective& out, const FrameDynamics& now, const JointAcceleration& qdd_e,
                      const TaskVector& e, const TaskVector& edot, const Twist& feedforward,
                      const TaskVector& k, const TaskVector& c, double w,
                      const TaskMatrix& gamma) const {
-  const FrameDynamics& frame = d.frame[static_cast<std::size_t>(index_)];
-  const auto J = frame.J.middleRows(first_, rows_);
-  const TaskVector pushed = J * qdd_e;
-  out.A = J;
-  out.b = feedforward.segment(first_, rows_) - frame.Jdot_v.segment(first_, rows_) -
+  out.A = now.J.middleRows(first_, rows_);
+  const TaskVector pushed = out.A.lazyProduct(qdd_e);
+  out.b = feedforward.segment(first_, rows_) - now.Jdot_v.segment(first_, rows_) -
           c.cwiseProduct(edot) - k.cwiseProduct(e);
-  out.b.noalias() += gamma * pushed;
+  out.b.noalias() += gamma.lazyProduct(pushed);
   out.weight = w;
 }
 

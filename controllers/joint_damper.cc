@@ -1,7 +1,6 @@
 #include "pliant/controllers/joint_damper.h"
 
 #include <cmath>
-
 #include <limits>
 
 namespace pliant {
@@ -18,7 +17,9 @@ PerJoint Margin(const JointDamper::Options& o) {
 
 JointDamper::JointDamper(const Options& o)
     : dynamics{this, "dynamics", o.model.joints()},
-      bounds{this, "bounds", o.model.joints(),
+      bounds{this,
+             "bounds",
+             o.model.joints(),
              {PerJoint::Constant(o.model.size(), -std::numeric_limits<double>::infinity()),
               PerJoint::Constant(o.model.size(), std::numeric_limits<double>::infinity())}},
       lambda_{o.rate},
@@ -30,8 +31,8 @@ JointDamper::JointDamper(const Options& o)
   Require(o.damping_ratio >= 1, "damping_ratio must be >= 1", o.damping_ratio);
   Require(o.safety_distance >= 0 && o.safety_distance < 0.5, "safety_distance must be in [0, 0.5)",
           o.safety_distance);
-  Require(o.velocity_fraction > 0 && o.velocity_fraction <= 1, "velocity_fraction must be in (0, 1]",
-          o.velocity_fraction);
+  Require(o.velocity_fraction > 0 && o.velocity_fraction <= 1,
+          "velocity_fraction must be in (0, 1]", o.velocity_fraction);
   Compute(bounds).From(dynamics).As(&JointDamper::Bound);
 }
 

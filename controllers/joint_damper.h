@@ -5,23 +5,28 @@
 
 namespace pliant {
 
-/// Keeps joints inside their position and velocity limits by second-order velocity dampers. With e the
-/// distance to a limit (e = q⁺ − q above, q − q⁻ below), d_s the safety distance and ė_min = −q̇⁺:
+/// Keeps joints inside their position and velocity limits by second-order velocity dampers. With e
+/// the distance to a limit (e = q⁺ − q above, q − q⁻ below), d_s the safety distance and ė_min =
+/// −q̇⁺:
 ///
-///   ë ≥ max(ë_p, ë_v),   ë_p = −λ ė − λ²/(4M²) (e − d_s),   ë_v = −λ (ė − ė_min)      (EC 19, 23, 24)
+///   ë ≥ max(ë_p, ë_v),   ë_p = −λ ė − λ²/(4M²) (e − d_s),   ë_v = −λ (ė − ė_min)      (EC 19, 23,
+///   24)
 ///
-/// M > 1 makes the approach overdamped. Continuous joints have no position limit. Where the two ends
-/// ask for the impossible, lower > upper.
+/// M > 1 makes the approach overdamped: a joint that sets out at rest and keeps to its bounds comes
+/// up to e = d_s and q̇⁺ and passes neither, also when sampled and held every h ≤ 1/λ. Continuous
+/// joints have no position limit. Further than 4M² q̇⁺/λ outside of a limit ë_p asks for more speed
+/// than ë_v of the other end allows: there lower > upper.
 ///
-/// Source: Celerier et al. 2025 (EC); λ = 100 1/s, M = 2, d_s = 1 % of the range as recommended there.
+/// Source: Celerier et al. 2025 (EC); λ = 100 1/s, M = 2, d_s = 1 % of the range as recommended
+/// there.
 class JointDamper final : public Block {
  public:
   struct Options {
     RobotModel model;
-    double rate = 100;                    ///< λ [1/s], > 0
-    double damping_ratio = 2;             ///< M ≥ 1
-    double safety_distance = 0.01;        ///< d_s as a fraction of a joint's range, in [0, 0.5)
-    double velocity_fraction = 1;         ///< of the model's velocity limit, in (0, 1]
+    double rate = 100;              ///< λ [1/s], > 0
+    double damping_ratio = 2;       ///< M ≥ 1
+    double safety_distance = 0.01;  ///< d_s as a fraction of a joint's range, in [0, 0.5)
+    double velocity_fraction = 1;   ///< of the model's velocity limit, in (0, 1]
   };
 
   explicit JointDamper(const Options& o);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+
 #include "pliant/plants/robot_dynamics.h"
 #include "pliant/systems/signal.h"
 
@@ -13,18 +15,24 @@ using TaskMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::
 ///
 ///   w ‖A q̈ − b‖²
 ///
-/// m×n, m, m ≤ n or ≤ 6. Made once at its size, then only written in place.
+/// A is m×n and b has m elements, m ≤ max(6, kMaxJoints). Made once at its size, then only written
+/// in place.
 struct Objective {
+  static constexpr int kMaxRows = std::max(6, kMaxJoints);
+  using Matrix =
+      Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxRows, kMaxJoints>;
+  using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxRows, 1>;
+
   using Space = Joints;
   static constexpr Quantity quantity{"objective", ""};
 
-  JointMatrix A;
-  PerJoint b;
+  Matrix A;
+  Vector b;
   double weight = 0;
 
   /// A term of m rows that wants nothing.
   static Objective Zero(int rows, int joints) {
-    return {JointMatrix::Zero(rows, joints), PerJoint::Zero(rows), 0};
+    return {Matrix::Zero(rows, joints), Vector::Zero(rows), 0};
   }
 
   template <class Visitor>

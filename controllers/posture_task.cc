@@ -8,9 +8,10 @@ namespace pliant {
 namespace {
 
 PerJoint Checked(const PerJoint& x, const RobotModel& model, const std::string& name) {
-  Require(x.size() == model.size(), name + " has an element for each of the " + Text(model.size()) + " joints",
-          x.size());
-  Require(x.allFinite() && x.minCoeff() >= 0, "every " + name + " must be >= 0", x.transpose());
+  Require(x.size() == model.size(),
+          name + " has an element for each of the " + Text(model.size()) + " joints", x.size());
+  Require(x.allFinite() && x.minCoeff() >= 0, "every " + name + " must be finite and >= 0",
+          x.transpose());
   return x;
 }
 
@@ -27,7 +28,8 @@ PostureTask::PostureTask(const Options& o)
       external_acceleration{this, "external_acceleration", o.model.joints(),
                             JointAcceleration::Zero(o.model.joints())},
       target{this, "target", o.model.joints(), o.target},
-      target_velocity{this, "target_velocity", o.model.joints(), JointVelocity::Zero(o.model.joints())},
+      target_velocity{this, "target_velocity", o.model.joints(),
+                      JointVelocity::Zero(o.model.joints())},
       target_acceleration{this, "target_acceleration", o.model.joints(),
                           JointAcceleration::Zero(o.model.joints())},
       stiffness{this, "stiffness", {}, Checked(o.stiffness, o.model, "stiffness")},
@@ -35,12 +37,14 @@ PostureTask::PostureTask(const Options& o)
       weight{this, "weight", {}, o.weight},
       compliance{this, "compliance", {}, CheckedCompliance(o.compliance, o.model.size())},
       error{this, "error", o.model.joints()},
-      objective{this, "objective", o.model.joints(), Objective::Zero(o.model.size(), o.model.size())},
+      objective{this, "objective", o.model.joints(),
+                Objective::Zero(o.model.size(), o.model.size())},
       model_{o.model} {
   Require(o.target.size() == o.model.size(),
-          "target has an element for each of the " + Text(o.model.size()) + " joints", o.target.size());
+          "target has an element for each of the " + Text(o.model.size()) + " joints",
+          o.target.size());
   Require(o.target.allFinite(), "target must be finite", o.target.transpose());
-  Require(o.weight > 0, "weight must be > 0", o.weight);
+  Require(o.weight > 0 && std::isfinite(o.weight), "weight must be finite and > 0", o.weight);
   Compute(error).From(dynamics, target).As(&PostureTask::Error);
   Compute(objective)
       .From(dynamics, external_acceleration, error, target_velocity, target_acceleration, stiffness,
@@ -62,7 +66,7 @@ void PostureTask::Want(Objective& out, const RobotDynamics& d, const JointAccele
                        const JointMatrix& gamma) const {
   out.A.setIdentity();
   out.b = a0 - c.cwiseProduct(d.v - v0) - k.cwiseProduct(e);
-  out.b.noalias() += gamma * qdd_e;
+  out.b.noalias() += gamma.lazyProduct(qdd_e);
   out.weight = w;
 }
 

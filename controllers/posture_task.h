@@ -16,11 +16,11 @@ class PostureTask final : public Block {
  public:
   struct Options {
     RobotModel model;
-    JointPosition target;          ///< q° [rad], until one is connected
-    PerJoint stiffness;            ///< λ₂ [1/s²], each ≥ 0
-    PerJoint damping;              ///< λ₁ [1/s], each ≥ 0
-    double weight = 1;             ///< w₀ > 0
-    JointMatrix compliance = {};   ///< Γ₀; empty: 0
+    JointPosition target;         ///< q° [rad], until one is connected
+    PerJoint stiffness;           ///< λ₂ [1/s²], each ≥ 0
+    PerJoint damping;             ///< λ₁ [1/s], each ≥ 0
+    double weight = 1;            ///< w₀ > 0
+    JointMatrix compliance = {};  ///< Γ₀; empty: 0
   };
 
   explicit PostureTask(const Options& o);

@@ -3,13 +3,14 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "pliant/controllers/qp_solver.h"
 
 namespace pliant {
 
 /// How far x and its multipliers are from the optimality conditions of Karush, Kuhn and Tucker, each
-/// relative to the numbers it is computed from. For a strictly convex problem these are sufficient:
+/// relative to the numbers it is computed from, where x counts as no less than max |g_i| / H_ii. For a strictly convex problem these are sufficient:
 /// all three zero proves that x is the solution, however it was found.
 struct KktResidual {
   double stationarity = 0;     ///< H x + g − Aᵀ λ − μ
@@ -43,7 +44,8 @@ inline KktResidual Kkt(const QpProblem& qp, const QpSolution& solution) {
   const Vector lambda = solution.row_multipliers.cast<Real>();
   const Vector mu = solution.bound_multipliers.cast<Real>();
 
-  const Real largest = x.cwiseAbs().maxCoeff();
+  const Real largest =
+      std::max(x.cwiseAbs().maxCoeff(), (g.array() / H.diagonal().array()).abs().maxCoeff());
   const Vector scale = H.cwiseAbs() * x.cwiseAbs() + g.cwiseAbs() +
                        A.cwiseAbs().transpose() * lambda.cwiseAbs() + mu.cwiseAbs();
   const Vector gradient = H * x + g - A.transpose() * lambda - mu;

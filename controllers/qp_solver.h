@@ -117,12 +117,12 @@ struct QpWorkspace {
   using Square = std::array<double, kMaxQpVariables * kMaxQpVariables>;
   using Column = std::array<double, kMaxQpVariables>;
 
-  alignas(64) Square schur{}, J{}, whitened{}, R{};
-  alignas(64) Column inverse_pivot{}, inverse_diagonal{}, reflector_scale{};
-  alignas(64) Column x{}, y{}, c{}, d{}, r{}, z{}, normal{}, multiplier{}, bound{}, norm{};
-  alignas(64) std::array<double, kLimits> value{}, slack{}, reach{};
+  alignas(64) Square J{}, R{}, reflector{}, whitened{};
+  alignas(64) Column x{}, c{}, p{}, d{}, r{}, z{}, normal{}, remainder{};
+  Column reflection{}, inverse{}, bound{}, sign{}, multiplier{}, whole{};
+  std::array<double, kLimits> value{}, excess{}, slack{}, reach{}, size{};
+  std::array<std::int16_t, kLimits + 1> suspect{};
   std::array<std::int16_t, kMaxQpVariables> limit{};
-  std::array<double, kMaxQpVariables> sign{};
   std::array<bool, kMaxQpVariables> equality{};
   std::array<bool, kLimits> active{};
 };

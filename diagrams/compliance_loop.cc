@@ -2,6 +2,16 @@
 
 namespace pliant {
 
+namespace {
+
+/// A push that changes at the controller's ticks only, so that the true torque is what acts.
+Push::Options Sampled(Push::Options push, const ComplianceLoop::Options& o) {
+  push.period = o.period;
+  return push;
+}
+
+}  // namespace
+
 ComplianceLoop::ComplianceLoop(const Options& o) : diagram{Make(o, *this)} {}
 
 Diagram ComplianceLoop::Make(const Options& o, ComplianceLoop& parts) {
@@ -13,7 +23,7 @@ Diagram ComplianceLoop::Make(const Options& o, ComplianceLoop& parts) {
 
   DiagramBuilder b;
   for (std::size_t i = 0; i < o.pushes.size(); ++i)
-    parts.pushes.push_back(&b.Add<Push>("push_" + std::to_string(i + 1), o.pushes[i]));
+    parts.pushes.push_back(&b.Add<Push>("push_" + std::to_string(i + 1), Sampled(o.pushes[i], o)));
   auto& arm = b.Add<SimulatedArm>("arm", {.plant = {.model = o.model,
                                                     .position = o.posture,
                                                     .rotor_inertia = o.rotor_inertia,
@@ -27,23 +37,21 @@ Diagram ComplianceLoop::Make(const Options& o, ComplianceLoop& parts) {
       "observer",
       {.joints = joints, .gain = PerJoint::Constant(n, o.observer_gain), .period = o.period});
   auto& external = b.Add<ExternalAcceleration>("external", {.joints = joints});
-  auto& pose = b.Add<FrameTask>(
-      "pose", {.model = o.model,
-               .frames = frames,
-               .frame = o.tool,
-               .target = start.frame[0].pose,
-               .stiffness = TaskVector::Constant(6, o.pose_stiffness),
-               .damping = TaskVector::Constant(6, o.pose_damping),
-               .weight = o.pose_weight,
-               .compliance = o.pose_compliance * TaskMatrix::Identity(6, 6)});
+  auto& pose =
+      b.Add<FrameTask>("pose", {.model = o.model,
+                                .frame = o.tool,
+                                .target = start.frame[0].pose,
+                                .stiffness = TaskVector::Constant(6, o.pose_stiffness),
+                                .damping = TaskVector::Constant(6, o.pose_damping),
+                                .weight = o.pose_weight,
+                                .compliance = o.pose_compliance * TaskMatrix::Identity(6, 6)});
   auto& posture = b.Add<PostureTask>(
-      "posture",
-      {.model = o.model,
-       .target = o.posture,
-       .stiffness = PerJoint::Constant(n, o.posture_stiffness),
-       .damping = PerJoint::Constant(n, o.posture_damping),
-       .weight = o.posture_weight,
-       .compliance = o.posture_compliance * JointMatrix::Identity(n, n)});
+      "posture", {.model = o.model,
+                  .target = o.posture,
+                  .stiffness = PerJoint::Constant(n, o.posture_stiffness),
+                  .damping = PerJoint::Constant(n, o.posture_damping),
+                  .weight = o.posture_weight,
+                  .compliance = o.posture_compliance * JointMatrix::Identity(n, n)});
   auto& damper = b.Add<JointDamper>("damper", o.damper);
   auto& qp = b.Add<ComplianceQp>("qp", {.model = o.model, .period = o.period});
 

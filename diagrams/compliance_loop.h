@@ -19,8 +19,8 @@ namespace pliant {
 /// Where the controller has τ̂_e from.
 enum class TorqueEstimate { True, Observer, Zero };
 
-/// An arm that holds a pose of its tool while it is pushed, with as much compliance in its pose and its
-/// posture as asked for.
+/// An arm that holds a pose of its tool while it is pushed, with as much compliance in its pose and
+/// its posture as asked for.
 ///
 ///   push… ──────────────▶ arm ─▶ dynamics ─▶ pose task, posture task ─▶ qp ─▶ arm.torque
 ///   push… ─▶ true torque ─▶ │        │                ▲                  ▲
@@ -28,8 +28,8 @@ enum class TorqueEstimate { True, Observer, Zero };
 struct ComplianceLoop {
   struct Options {
     RobotModel model;
-    std::string tool;          ///< link whose pose is held
-    JointPosition posture;     ///< q at the start, held by the posture task where it has stiffness
+    std::string tool;       ///< link whose pose is held
+    JointPosition posture;  ///< q at the start, held by the posture task where it has stiffness
     PerJoint rotor_inertia = {};
     Duration period = 1ms;
 
@@ -41,7 +41,7 @@ struct ComplianceLoop {
     double observer_gain = 50;  ///< K_I [1/s]
 
     JointDamper::Options damper;
-    std::vector<Push::Options> pushes;
+    std::vector<Push::Options> pushes = {};  ///< sampled at `period`
     SimbodyPlant::Engine engine = SimbodyPlant::Engine::Simbody;
     std::size_t log_rows = 0;  ///< room for this many ticks in the log
   };

@@ -13,7 +13,9 @@ class Latch final : public Block {
   };
 
   explicit Latch(const Options& o)
-      : command{this, "command", o.joints}, acting{this, "acting", o.joints}, u_{this, "u", o.joints} {
+      : command{this, "command", o.joints},
+        acting{this, "acting", o.joints},
+        u_{this, "u", o.joints} {
     Every(o.period).Update(u_).From(command).As([](const JointTorque& u) { return u; });
     Compute(acting).From(u_).As([](const JointTorque& u) { return u; });
   }

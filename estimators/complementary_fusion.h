@@ -9,7 +9,8 @@ namespace pliant {
 ///   τ̂_e = r + s/(K + s) τ_s,   τ_s = J_sᵀ F_s
 ///
 /// with the same K as the observer, so that the sum is τ_e where τ_s is. The high-pass is
-/// τ_s,k − l_k, with l filtered as the observer filters,
+/// τ_s,k − l_k, with l filtered as the observer filters: from its first tick on, exact for a τ_s
+/// that changes evenly over a sample,
 ///
 ///   l_k = e^{−K h} l_{k−1} + (1 − e^{−K h}) ½ (τ_s,k + τ_s,k−1),   l_0 = 0
 ///
@@ -28,19 +29,21 @@ class ComplementaryFusion final : public Block {
 
     JointTorque low;   ///< l
     JointTorque last;  ///< τ_s
+    bool started = false;
 
     template <class Visitor>
     void Fields(Visitor&& f) {
       f("low", low, "N·m");
       f("last", last, "N·m");
+      f("started", started, "");
     }
   };
 
   explicit ComplementaryFusion(const Options& o);
 
-  Input<JointTorque> residual;         ///< r
-  Input<JointTorque> sensor_torque;    ///< τ_s
-  Output<JointTorque> external_torque; ///< τ̂_e
+  Input<JointTorque> residual;          ///< r
+  Input<JointTorque> sensor_torque;     ///< τ_s
+  Output<JointTorque> external_torque;  ///< τ̂_e
 
  private:
   Memory Next(const Memory& last, const JointTorque& tau_s) const;

@@ -18,8 +18,10 @@ MomentumObserver::MomentumObserver(const Options& o)
       h_{seconds(o.period)},
       memory_{this, "memory", o.joints, Blank(o.joints)} {
   Require(o.gain.size() == o.joints.size(),
-          "gain has an element for each of the " + Text(o.joints.size()) + " joints", o.gain.size());
-  Require(o.gain.minCoeff() > 0, "every gain must be > 0", o.gain.minCoeff());
+          "gain has an element for each of the " + Text(o.joints.size()) + " joints",
+          o.gain.size());
+  Require(o.gain.allFinite() && o.gain.minCoeff() > 0, "every gain must be finite and > 0",
+          o.gain.transpose());
   Every(o.period).Compute(memory_).From(memory_, dynamics, torque).As(&MomentumObserver::Next);
   Compute(residual).From(memory_).As([](const Memory& m) { return m.r; });
 }

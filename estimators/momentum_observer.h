@@ -13,8 +13,8 @@ namespace pliant {
 ///
 ///   r_k = e^{−K h} r_{k−1} + (1 − e^{−K h}) [ (p_k − p_{k−1})/h − τ_k − β̄_k ],   β = Cᵀ q̇ − g
 ///
-/// with β̄ the mean of its values at the two ends and τ_k the torque that acted between them. Sums of
-/// p_k − p_{k−1} telescope, so nothing drifts. r_0 = 0.
+/// with β̄ the mean of its values at the two ends and τ_k the torque that acted between them. Sums
+/// of p_k − p_{k−1} telescope, so nothing drifts. r_0 = 0.
 ///
 /// Source: De Luca & Mattone, ICRA 2005; Celerier et al. 2025 (25).
 class MomentumObserver final : public Block {
@@ -30,9 +30,9 @@ class MomentumObserver final : public Block {
     using Space = Joints;
     static constexpr Quantity quantity{"momentum observer memory", ""};
 
-    JointTorque r;         ///< the residual
-    JointMomentum p;       ///< M q̇
-    JointTorque beta;      ///< Cᵀ q̇ − g
+    JointTorque r;     ///< the residual
+    JointMomentum p;   ///< M q̇
+    JointTorque beta;  ///< Cᵀ q̇ − g
     bool started = false;
 
     template <class Visitor>

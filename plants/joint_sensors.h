@@ -4,8 +4,8 @@
 
 namespace pliant {
 
-/// Samples what an arm shows, every h, and holds it. At tick k the torque is the one that acted up to
-/// then, u_{k−1}.
+/// Samples what an arm shows, every h, and holds it. At tick k the torque is the one that acted up
+/// to then, u_{k−1}.
 class JointSensors final : public Block {
  public:
   struct Options {

@@ -9,9 +9,10 @@ ModelDynamics::ModelDynamics(const Options& o)
       model_{o.model},
       B_{o.rotor_inertia} {
   Require(B_.size() == 0 || B_.size() == o.model.size(),
-          "rotor_inertia has an element for each of the " + Text(o.model.size()) + " joints", B_.size());
-  Require(B_.size() == 0 || B_.minCoeff() >= 0, "every rotor_inertia must be >= 0",
-          B_.size() ? B_.minCoeff() : 0);
+          "rotor_inertia has an element for each of the " + Text(o.model.size()) + " joints",
+          B_.size());
+  Require(B_.size() == 0 || (B_.allFinite() && B_.minCoeff() >= 0),
+          "every rotor_inertia must be finite and >= 0", B_.transpose());
   Compute(dynamics).From(position, velocity).As(&ModelDynamics::At);
 }
 

@@ -8,12 +8,13 @@
 
 namespace pliant {
 
-/// What controllers and observers ask of a robot model at one (q, v), computed once for all of them:
+/// What controllers and observers ask of a robot model at one (q, v), computed once for all of
+/// them:
 ///
 ///   M + diag(B),  C v,  Cᵀ v,  g,  p = (M + diag(B)) v,  frames, Jacobians, J̇ v
 ///
-/// B is the reflected rotor inertia of each joint. Leave it empty where the torque is measured behind
-/// the gear, which is not loaded by the rotor; give it where the torque is the motor's.
+/// B is the reflected rotor inertia of each joint. Leave it empty where the torque is measured
+/// behind the gear, which is not loaded by the rotor; give it where the torque is the motor's.
 class ModelDynamics final : public Block {
  public:
   struct Options {

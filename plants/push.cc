@@ -12,7 +12,9 @@ Push::Push(const Options& o)
       start_{o.start_s},
       duration_{o.duration_s},
       edge_{o.edge_s} {
-  Require(o.force.allFinite() && o.point.allFinite(), "force and point must be finite");
+  Require(o.force.allFinite(), "force must be finite", o.force.transpose());
+  Require(o.point.allFinite(), "point must be finite", o.point.transpose());
+  Require(std::isfinite(start_), "start_s must be finite", start_);
   Require(edge_ > 0, "edge_s must be > 0", edge_);
   Require(duration_ >= 2 * edge_, "duration_s must be >= 2 edge_s = " + Text(2 * edge_), duration_);
   Every(o.period).Compute(force).From(clock).As(&Push::At);

@@ -9,13 +9,13 @@
 
 namespace pliant {
 
-/// A scripted push: a force of constant direction at a point of a link, that rises and falls along a
-/// raised cosine,
+/// A scripted push: a force of constant direction at a point of a link, that rises and falls along
+/// a raised cosine,
 ///
 ///   F(t) = F ½ (1 − cos(π s)),   s = clamp((t − start)/edge, 0, 1)
 ///
-/// and mirrored at the end. It is sampled every h and held: F(k h) acts from tick k to tick k + 1, so a
-/// controller that is told the force knows what acts on the arm exactly.
+/// and mirrored at the end. It is sampled every h and held: F(k h) acts from tick k to tick k + 1,
+/// so a controller that is told the force knows what acts on the arm exactly.
 class Push final : public Block {
  public:
   struct Options {

@@ -34,8 +34,8 @@ SimbodyPlant::SimbodyPlant(const Options& o)
       B_{NotNegative(o.rotor_inertia, o.model, "rotor_inertia")},
       q_{this, "q", o.model.joints(), PerJointOr0(o.position, o.model, "position")},
       v_{this, "v", o.model.joints(), PerJointOr0(o.velocity, o.model, "velocity")},
-      work_{this, "work", Workspace{{}, RobotDynamics(o.model), {}}},
-      pose_work_{this, "pose_work", Workspace{{}, RobotDynamics(o.model), {}}} {
+      work_{this, "work", Workspace{.simbody = {}, .dynamics = RobotDynamics(o.model)}},
+      pose_work_{this, "pose_work", Workspace{.simbody = {}, .dynamics = RobotDynamics(o.model)}} {
   Require(o.frames.size() <= kMaxFrames, "a plant shows at most " + Text(kMaxFrames) + " frames",
           o.frames.size());
   for (const std::string& frame : o.frames) frames_.push_back(o.model.link_index(frame));
@@ -64,7 +64,8 @@ void SimbodyPlant::Place(FramePoses& X, Workspace& w, const JointPosition& q,
   X.size = static_cast<int>(frames_.size());
   if (X.size == 0) return;
   ComputeDynamics(model_, q, v, w.dynamics);
-  for (std::size_t i = 0; i < frames_.size(); ++i) X.pose[i] = LinkPose(model_, w.dynamics, frames_[i]);
+  for (std::size_t i = 0; i < frames_.size(); ++i)
+    X.pose[i] = LinkPose(model_, w.dynamics, frames_[i]);
 }
 
 }  // namespace pliant

@@ -21,7 +21,8 @@ struct FramePoses {
 
   template <class Visitor>
   void Fields(Visitor&& f) {
-    for (int i = 0; i < size; ++i) f("frame_" + std::to_string(i), pose[static_cast<std::size_t>(i)], "");
+    for (int i = 0; i < size; ++i)
+      f("frame_" + std::to_string(i), pose[static_cast<std::size_t>(i)], "");
   }
 };
 
@@ -29,18 +30,18 @@ struct FramePoses {
 ///
 ///   q̇ = v,   (M + diag(B)) v̇ + C v + g = τ − d v + Σ Jᵀ F
 ///
-/// `engine` says who computes v̇: Simbody, or the recursive kernel that controllers use; both give the
-/// same motion, the kernel in a tenth of the time.
+/// `engine` says who computes v̇: Simbody, or the recursive kernel that controllers use; both give
+/// the same motion, the kernel in a tenth of the time.
 class SimbodyPlant final : public Block {
  public:
   enum class Engine { Simbody, Recursive };
 
   struct Options {
     RobotModel model;
-    JointPosition position;                ///< q at the start [rad]
-    JointVelocity velocity = {};           ///< v at the start [rad/s]; empty: at rest
-    PerJoint damping = {};                 ///< d, viscous friction [N·m·s/rad], each ≥ 0; empty: none
-    PerJoint rotor_inertia = {};           ///< B, reflected [kg·m²], each ≥ 0; empty: none
+    JointPosition position;       ///< q at the start [rad]
+    JointVelocity velocity = {};  ///< v at the start [rad/s]; empty: at rest
+    PerJoint damping = {};        ///< d, viscous friction [N·m·s/rad], each ≥ 0; empty: none
+    PerJoint rotor_inertia = {};  ///< B, reflected [kg·m²], each ≥ 0; empty: none
     std::vector<std::string> frames = {};  ///< links whose poses are shown, at most kMaxFrames
     Engine engine = Engine::Simbody;
   };
@@ -58,7 +59,8 @@ class SimbodyPlant final : public Block {
   struct Workspace {
     SimbodyArm::Workspace simbody;
     RobotDynamics dynamics;
-    std::vector<ContactForce> forces;
+    std::vector<ContactForce> forces =
+        std::vector<ContactForce>(16);  // room for as many, unless more join
   };
 
   JointAcceleration Accelerate(Workspace& w, const JointPosition& q, const JointVelocity& v,

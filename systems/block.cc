@@ -1,20 +1,50 @@
 #include "pliant/systems/block.h"
 
+#include <algorithm>
+#include <cctype>
+
 #include "pliant/systems/composite.h"
 
 namespace pliant {
 
 namespace internal {
 
+void CheckName(std::string_view whose, const std::string& name) {
+  const auto is_fine = [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-'; };
+  if (name.empty() || !std::ranges::all_of(name, is_fine))
+    throw Error("the name of " + std::string(whose) + " has letters, digits, '_' and '-', got '" +
+                name + "'");
+}
+
 Value::Value(Block* block, std::string_view name, Kind kind, const ValueType* type,
              const Space& space, std::shared_ptr<const void> initial, const ValueType* rate_type,
              std::shared_ptr<const void> rate)
     : block_{block}, index_{static_cast<int>(block->values_.size())} {
-  if (name.empty()) throw Error("a value needs a name");
+  CheckName("a value", std::string(name));
   for (const Block::Declared& other : block->values_)
     if (other.name == name) throw Error("two values are named '" + std::string(name) + "'");
-  block->values_.push_back({kind, std::string(name), type, space, std::move(initial), this,
-                            rate_type, std::move(rate), {}});
+  block->values_.push_back({kind,
+                            std::string(name),
+                            type,
+                            space,
+                            std::move(initial),
+                            this,
+                            rate_type,
+                            std::move(rate),
+                            {},
+                            nullptr,
+                            nullptr,
+                            -1});
+}
+
+void Value::StandIn(std::shared_ptr<const void> value) {
+  block_->values_[static_cast<std::size_t>(index_)].stand_in = std::move(value);
+}
+
+void Value::ShapedBy(const Value& inputs, Shape shape) {
+  Block::Declared& declared = block_->values_[static_cast<std::size_t>(index_)];
+  declared.shaped_by = block_->IndexOf(inputs);
+  declared.shape = std::move(shape);
 }
 
 const std::string& Value::name() const {
@@ -57,8 +87,8 @@ int Block::IndexOf(const internal::Value& value) const {
 }
 
 Block::PeriodicEvent Block::Every(Duration period, Duration offset) {
-  Require(Duration{} < period, "a period must be > 0", period.text());
-  Require(!(offset < Duration{}), "an offset must be >= 0", offset.text());
+  if (!(Duration{} < period)) throw Error("a period must be > 0, got " + period.text());
+  if (offset < Duration{}) throw Error("an offset must be >= 0, got " + offset.text());
   internal::Rule rule;
   rule.trigger = internal::Trigger::Periodic;
   rule.period = period;

@@ -12,200 +12,13 @@
 
 #include "pliant/systems/error.h"
 #include "pliant/systems/time.h"
-#include "pliant/systems/value_type.h"
+#include "pliant/systems/value.h"
 
 namespace pliant {
-
-class Block;
-class Composite;
-class Context;
 
 /// Which way a guard must pass zero to fire. Reaching zero counts as passing; starting at zero does
 /// not.
 enum class Direction { Rising, Falling, Both };
-
-namespace internal {
-
-struct Plan;
-class PlanBuilder;
-struct Access;
-
-enum class Kind { Input, InputList, Output, Discrete, Continuous, Scratch };
-
-/// What every value knows: its block, its place there and, once built, its place in a context.
-class Value {
- public:
-  Value(const Value&) = delete;
-  Value& operator=(const Value&) = delete;
-
-  const std::string& name() const;
-  std::string path() const;      ///< such as "arm.position"
-  std::string describe() const;  ///< such as "arm.position : joint position [rad] (shoulder, elbow)"
-
- protected:
-  Value(Block* block, std::string_view name, Kind kind, const ValueType* type, const Space& space,
-        std::shared_ptr<const void> initial, const ValueType* rate_type = nullptr,
-        std::shared_ptr<const void> rate = nullptr);
-
- private:
-  friend class pliant::Block;
-  friend class pliant::Composite;
-  friend struct Plan;
-  friend class PlanBuilder;
-  friend struct Access;
-  friend class pliant::Context;
-
-  Block* block_;
-  int index_;
-  const Plan* plan_ = nullptr;
-  std::uint32_t offset_ = 0;   // in the arena
-  std::int32_t rule_ = -1;     // that computes it, in the plan's numbering
-  std::int32_t source_ = -1;   // what it changes, if it is a source
-};
-
-/// The rate of a signal: ẋ of x.
-template <class S>
-struct RateOf {
-  static_assert(!std::is_same_v<S, S>,
-                "a Continuous value needs a rate: give its signal a type Rate");
-};
-template <class S>
-  requires requires { typename S::Rate; }
-struct RateOf<S> {
-  using type = typename S::Rate;
-};
-template <>
-struct RateOf<double> {
-  using type = double;
-};
-
-template <class S>
-std::shared_ptr<const void> Initial(S value) {
-  return std::make_shared<const S>(std::move(value));
-}
-
-}  // namespace internal
-
-/// A value a block reads and another block or the user provides. Without a default it must be
-/// connected.
-template <class S>
-class Input : public internal::Value {
- public:
-  using Signal = S;
-  using SpaceType = typename internal::SpaceOf<S>::type;
-  Input(Block* block, std::string_view name, const SpaceType& space = {})
-      : Value(block, name, internal::Kind::Input, internal::TypeOf<S>(), space, nullptr) {}
-  Input(Block* block, std::string_view name, const SpaceType& space, S value_when_unconnected)
-      : Value(block, name, internal::Kind::Input, internal::TypeOf<S>(), space,
-              internal::Initial<S>(std::move(value_when_unconnected))) {}
-};
-
-/// What a rule sees of an InputList: the joined values in the order of their wires.
-template <class S>
-class Joined {
- public:
-  Joined(const std::byte* arena, const std::uint32_t* offsets, std::uint32_t size)
-      : arena_{arena}, offsets_{offsets}, size_{size} {}
-  int size() const { return static_cast<int>(size_); }
-  const S& operator[](int i) const {
-    return *std::launder(reinterpret_cast<const S*>(arena_ + offsets_[i]));
-  }
-
- private:
-  const std::byte* arena_;
-  const std::uint32_t* offsets_;
-  std::uint32_t size_;
-};
-
-/// An input that any number of outputs may join, none included.
-template <class S>
-class InputList : public internal::Value {
- public:
-  using Signal = S;
-  using SpaceType = typename internal::SpaceOf<S>::type;
-  InputList(Block* block, std::string_view name, const SpaceType& space = {})
-      : Value(block, name, internal::Kind::InputList, internal::TypeOf<S>(), space, nullptr) {}
-};
-
-/// What a rule sees of AnyInputs: values of any types.
-class AnyValues {
- public:
-  AnyValues(const std::byte* arena, const std::uint32_t* offsets, std::uint32_t size,
-            const internal::ValueType* const* types)
-      : arena_{arena}, offsets_{offsets}, size_{size}, types_{types} {}
-  int size() const { return static_cast<int>(size_); }
-  const internal::ValueType& type(int i) const { return *types_[i]; }
-  const void* operator[](int i) const { return arena_ + offsets_[i]; }
-
- private:
-  const std::byte* arena_;
-  const std::uint32_t* offsets_;
-  std::uint32_t size_;
-  const internal::ValueType* const* types_;
-};
-
-/// An input that any values of any types may join, as a logger has it.
-class AnyInputs : public internal::Value {
- public:
-  AnyInputs(Block* block, std::string_view name)
-      : Value(block, name, internal::Kind::InputList, nullptr, {}, nullptr) {}
-};
-
-/// A value a block shows. Ruled by `Compute` it follows its arguments at every instant; ruled by
-/// `Every(h).Compute` it is held between its ticks, and `before` is its value until the first.
-template <class S>
-class Output : public internal::Value {
- public:
-  using Signal = S;
-  using SpaceType = typename internal::SpaceOf<S>::type;
-  Output(Block* block, std::string_view name, const SpaceType& space = {})
-      : Output(block, name, space, internal::ZeroOf<S>(space)) {}
-  Output(Block* block, std::string_view name, const SpaceType& space, S before)
-      : Value(block, name, internal::Kind::Output, internal::TypeOf<S>(), space,
-              internal::Initial<S>(std::move(before))) {}
-};
-
-/// State that events change: the memory of a true delay, a mode, a warm start.
-template <class S>
-class Discrete : public internal::Value {
- public:
-  using Signal = S;
-  using SpaceType = typename internal::SpaceOf<S>::type;
-  Discrete(Block* block, std::string_view name, const SpaceType& space = {})
-      : Discrete(block, name, space, internal::ZeroOf<S>(space)) {}
-  Discrete(Block* block, std::string_view name, const SpaceType& space, S initial)
-      : Value(block, name, internal::Kind::Discrete, internal::TypeOf<S>(), space,
-              internal::Initial<S>(std::move(initial))) {}
-};
-
-/// State that is integrated; ruled by `Derivative`, and events may reset it.
-template <class S>
-class Continuous : public internal::Value {
- public:
-  using Signal = S;
-  using Rate = typename internal::RateOf<S>::type;
-  using SpaceType = typename internal::SpaceOf<S>::type;
-  Continuous(Block* block, std::string_view name, const SpaceType& space = {})
-      : Continuous(block, name, space, internal::ZeroOf<S>(space)) {}
-  Continuous(Block* block, std::string_view name, const SpaceType& space, S initial)
-      : Value(block, name, internal::Kind::Continuous, internal::TypeOf<S>(), space,
-              internal::Initial<S>(std::move(initial)), internal::TypeOf<Rate>(),
-              internal::Initial<Rate>(internal::ZeroOf<Rate>(space))) {}
-};
-
-/// A workspace of a rule, one per context: never part of the state, never copied with it. A rule
-/// gets it to write to, and no result may depend on what it held before.
-template <class S>
-class Scratch : public internal::Value {
- public:
-  using Signal = S;
-  Scratch(Block* block, std::string_view name, S fresh = {})
-      : Value(block, name, internal::Kind::Scratch, internal::TypeOf<S>(), {},
-              internal::Initial<S>(std::move(fresh))) {}
-};
-
-/// The time [s], for rules to read as a double.
-struct Clock {};
 
 namespace internal {
 
@@ -227,6 +40,7 @@ struct Rule {
   std::vector<int> arguments;  // indices of the block's values, or kClockIndex
   RunRule run = nullptr;
   std::shared_ptr<const void> function;
+  std::size_t function_size = 0;  // if it may be copied byte by byte
 };
 
 template <class T>
@@ -286,7 +100,7 @@ constexpr bool IsState<Continuous<S>> = true;
 template <class R>
 constexpr bool IsExpression = false;
 template <class R>
-  requires requires { typename R::PlainObject; }
+requires requires { typename R::PlainObject; }
 constexpr bool IsExpression<R> =
     !std::is_base_of_v<Eigen::PlainObjectBase<typename R::PlainObject>, R>;
 
@@ -296,6 +110,10 @@ struct MemberOf {
 };
 template <class R, class C, class... A>
 struct MemberOf<R (C::*)(A...) const> {
+  using type = C;
+};
+template <class R, class C, class... A>
+struct MemberOf<R (C::*)(A...) const noexcept> {
   using type = C;
 };
 template <class R, class C, class... A>
@@ -314,7 +132,7 @@ class RuleAs;
 
 /// `From` of a rule: the values it reads, in the order of the function's parameters.
 template <class... T>
-class RuleFrom {
+class [[nodiscard]] RuleFrom {
  public:
   RuleFrom(Block* block, Rule rule) : block_{block}, rule_{std::move(rule)} {}
 
@@ -327,13 +145,13 @@ class RuleFrom {
 };
 
 template <class... T, class... V>
-class RuleAs<std::tuple<T...>, std::tuple<V...>> {
+class [[nodiscard]] RuleAs<std::tuple<T...>, std::tuple<V...>> {
  public:
   RuleAs(Block* block, Rule rule) : block_{block}, rule_{std::move(rule)} {}
 
-  /// The function: a const member function, or a lambda that captures nothing. It takes the values
-  /// named in From and returns what is ruled (a std::tuple if there are several), or takes
-  /// references to what is ruled first and writes in place.
+  /// The function: a const member function of the block, or a lambda that captures nothing. It
+  /// takes the values named in From and returns what is ruled (a std::tuple if there are several),
+  /// or takes references to what is ruled first and writes in place.
   template <class F>
   void As(F f) &&;
 
@@ -371,17 +189,16 @@ class Block {
   }
 
   /// What happens at an event: updates of state, read before any is written, and publishing.
-  class Event {
+  class [[nodiscard]] Event {
    public:
     template <class... V>
     internal::RuleFrom<typename V::Signal...> Update(const V&... x) const {
-      static_assert((internal::IsState<V> && ...), "an event updates Discrete and Continuous values");
+      static_assert((internal::IsState<V> && ...),
+                    "an event updates Discrete and Continuous values");
       return {block_, Make(internal::RuleKind::Update, x...)};
     }
     /// The only rules with side effects. They run after held outputs and before updates.
-    internal::RuleFrom<> Publish() const {
-      return {block_, Make(internal::RuleKind::Publish)};
-    }
+    internal::RuleFrom<> Publish() const { return {block_, Make(internal::RuleKind::Publish)}; }
 
    protected:
     friend class Block;
@@ -399,9 +216,10 @@ class Block {
     internal::Rule rule_;
   };
 
-  class PeriodicEvent : public Event {
+  class [[nodiscard]] PeriodicEvent : public Event {
    public:
-    /// y is held: computed at each tick in the order of the signals, and it may read its last value.
+    /// y is held: computed at each tick in the order of the signals, and it may read its last
+    /// value.
     template <class S>
     internal::RuleFrom<S> Compute(const Output<S>& y) const {
       return {block_, Make(internal::RuleKind::Held, y)};
@@ -412,7 +230,7 @@ class Block {
     using Event::Event;
   };
 
-  class Guard {
+  class [[nodiscard]] Guard {
    public:
     Event Crosses(Direction direction) const {
       internal::Rule rule = rule_;
@@ -429,7 +247,6 @@ class Block {
 
   /// Ticks at offset + k·period, k = 0, 1, …
   PeriodicEvent Every(Duration period, Duration offset = {});
-  Event Publishing(Duration period) { return Every(period); }
 
   /// The instant the output passes zero.
   Guard When(const Output<double>& guard);
@@ -470,6 +287,9 @@ class Block {
     const internal::ValueType* rate_type;
     std::shared_ptr<const void> rate;
     std::vector<Wire> from;
+    std::shared_ptr<const void> stand_in = nullptr;
+    internal::Value::Shape shape = nullptr;
+    int shaped_by = -1;
   };
 
   internal::Rule NewRule(internal::RuleKind kind, const internal::Value& target) const;
@@ -522,10 +342,15 @@ void RuleAs<std::tuple<T...>, std::tuple<V...>>::As(F f) && {
   constexpr bool kWrites = Callable<F, T&..., typename Argument<V>::type...>();
   static_assert(kReturns || kWrites,
                 "a rule's parameters are the values named in From, in that order");
-  static_assert(sizeof...(T) == 0 || std::is_member_function_pointer_v<F> || std::is_empty_v<F>,
+  static_assert(sizeof...(T) == 0 || std::is_member_function_pointer_v<F> || std::is_empty_v<F> ||
+                    std::is_function_v<std::remove_pointer_t<F>>,
                 "a rule reads its arguments and the block's constants: capture nothing");
+  if constexpr (!std::is_void_v<typename MemberOf<F>::type>)
+    Require(dynamic_cast<const typename MemberOf<F>::type*>(block_) != nullptr,
+            "a rule is a member function of its own block, not of another");
   if constexpr (kReturns || kWrites) {
     rule_.function = std::make_shared<const F>(std::move(f));
+    if (std::is_trivially_copyable_v<F>) rule_.function_size = sizeof(F);
     rule_.run = [](const void* function, const Block* self, std::byte* arena,
                    const std::uint32_t* slots) {
       [&]<std::size_t... t, std::size_t... v>(std::index_sequence<t...>,
@@ -538,8 +363,7 @@ void RuleAs<std::tuple<T...>, std::tuple<V...>>::As(F f) && {
                                                          Argument<V>::Get(arena, slots, v)...))>;
           if constexpr (n == 1) {
             using T0 = std::tuple_element_t<0, std::tuple<T...>>;
-            static_assert(std::is_convertible_v<R, T0>,
-                          "a rule returns the quantity it rules");
+            static_assert(std::is_convertible_v<R, T0>, "a rule returns the quantity it rules");
             static_assert(!IsExpression<R>,
                           "a rule returns a value: give the Eigen expression a type");
             At<T0>(arena, slots[0]) =
@@ -554,7 +378,8 @@ void RuleAs<std::tuple<T...>, std::tuple<V...>>::As(F f) && {
           Call<F>(function, self, At<T>(arena, slots[t])...,
                   Argument<V>::Get(arena, slots + n, v)...);
         }
-      }(std::index_sequence_for<T...>{}, std::index_sequence_for<V...>{});
+      }
+      (std::index_sequence_for<T...>{}, std::index_sequence_for<V...>{});
     };
     block_->rules_.push_back(std::move(rule_));
   }

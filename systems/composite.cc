@@ -1,26 +1,26 @@
 #include "pliant/systems/composite.h"
 
-#include <algorithm>
+#include "pliant/systems/plan.h"
 
 namespace pliant {
 
-namespace {
+namespace internal {
 
-bool Contains(const Composite* whole, const Block* part, const Composite* parent) {
-  return static_cast<const Block*>(whole) == part || parent == whole;
+std::string Ends(const Value& from, const Value& to) {
+  return "\n  from  " + from.describe() + "\n  to    " + to.describe();
 }
 
-}  // namespace
-
-void Composite::CheckName(const std::string& name) const {
-  if (name.empty() || name.find_first_of(". []") != std::string::npos)
-    throw Error("a block's name is not empty and has no dot, space or bracket, got '" + name + "'");
+void CheckSpaces(const Value& from, const Value& to) {
+  const Space &source = Access::Of(from).space, &sink = Access::Of(to).space;
+  if (source.empty() || sink.empty() || source == sink) return;
+  if (source.size() != sink.size())
+    throw Error("cannot connect: the ports have different sizes, " + Text(source.size()) + " and " +
+                Text(sink.size()) + Ends(from, to));
+  throw Error(std::string("cannot connect: the ports are about different ") +
+              (source.size() ? "joints" : "frames") + Ends(from, to));
 }
 
-std::string Composite::PathOf(const std::string& part) const {
-  const std::string above = path();
-  return above.empty() ? part : above + "." + part;
-}
+}  // namespace internal
 
 Block& Composite::Keep(std::string name, std::unique_ptr<Block> part) {
   part->name_ = std::move(name);
@@ -30,32 +30,28 @@ Block& Composite::Keep(std::string name, std::unique_ptr<Block> part) {
 }
 
 void Composite::Wire(const internal::Value& from, const internal::Value& to) {
-  const auto ends = [&] { return "\n  from  " + from.describe() + "\n  to    " + to.describe(); };
+  using internal::Kind;
+  const auto refuse = [&](const std::string& why, const std::string& way_out = "") {
+    throw Error("cannot connect: " + why + internal::Ends(from, to) + way_out);
+  };
   for (const internal::Value* end : {&from, &to})
-    if (!Contains(this, end->block_, end->block_->parent_))
-      throw Error("cannot connect: " + end->path() + " is not a port of this diagram or of a part of it" +
-                  ends() + "\nadd its block to this diagram, or export the port of the inner one");
+    if (end->block_ != this && end->block_->parent_ != this)
+      refuse(end->path() + " is not a port of this diagram or of a part of it",
+             "\nadd its block to this diagram, or export the port of the inner one");
 
   const Declared& source = from.block_->values_[static_cast<std::size_t>(from.index_)];
   Declared& sink = to.block_->values_[static_cast<std::size_t>(to.index_)];
-  if (source.kind == internal::Kind::Input && from.block_ != this)
-    throw Error("cannot connect: an Input of a part is no source" + ends());
-  if (sink.kind == internal::Kind::Output && to.block_ != this)
-    throw Error("cannot connect: an Output of a part is no destination" + ends());
-
-  const bool both = !source.space.empty() && !sink.space.empty();
-  if (both && source.space.size() != sink.space.size())
-    throw Error("cannot connect: the ports have different sizes, " + Text(source.space.size()) +
-                " and " + Text(sink.space.size()) + ends());
-  if (both && !(source.space == sink.space))
-    throw Error(std::string("cannot connect: the ports are about different ") +
-                (source.space.size() ? "joints" : "frames") + ends());
-
-  if (sink.kind != internal::Kind::InputList && !sink.from.empty()) {
+  if ((source.kind == Kind::Input || source.kind == Kind::InputList) && from.block_ != this)
+    refuse("an Input of a part is no source");
+  if ((sink.kind == Kind::Output) != (to.block_ == this))
+    refuse(sink.kind == Kind::Output ? "an Output of a part is no destination"
+                                     : "an Input is wired from outside of its block");
+  internal::CheckSpaces(from, to);
+  if (sink.kind != Kind::InputList && !sink.from.empty()) {
     const Block::Wire& first = sink.from.front();
-    throw Error("cannot connect: the port is connected already\n  from  " +
-                first.block->values_[static_cast<std::size_t>(first.value)].value->describe() + "\n  and   " +
-                from.describe() + "\n  to    " + to.describe() +
+    const auto& other = *first.block->values_[static_cast<std::size_t>(first.value)].value;
+    throw Error("cannot connect: the port is connected already\n  from  " + other.describe() +
+                "\n  and   " + from.describe() + "\n  to    " + to.describe() +
                 "\nremove one of the wires, or give the block an InputList");
   }
   sink.from.push_back({from.block_, from.index_});

@@ -13,7 +13,8 @@ class Constant final : public Block {
     S value;
   };
 
-  explicit Constant(const Options& o) : value{this, "value", o.space, o.value}, y{this, "y", o.space} {
+  explicit Constant(const Options& o)
+      : value{this, "value", o.space, o.value}, y{this, "y", o.space} {
     Compute(y).From(value).As([](const S& x) { return x; });
   }
 

@@ -1,70 +1,91 @@
 #include "pliant/systems/context.h"
 
+#include <algorithm>
 #include <new>
+#include <utility>
 
 namespace pliant {
 
 using internal::Role;
 using internal::Slot;
 
-namespace {
-constexpr std::align_val_t kAlignment{64};
+Context::Context(const internal::Plan* plan)
+    : plan_{plan},
+      arena_{static_cast<std::byte*>(
+          ::operator new (plan->bytes, std::align_val_t{plan->alignment}))} {
+  std::memset(arena_ + plan_->valid_offset, 0, plan_->bytes - plan_->valid_offset);
 }
 
-Context::Context(const internal::Plan& plan) : plan_{&plan} {
-  Allocate();
-  for (const Slot& slot : plan_->slots) slot.type->construct(arena_ + slot.offset, slot.initial);
+void Context::Construct(const void* from) {
+  const Slot& slot = plan_->slots[constructed_];
+  slot.type->construct(arena_ + slot.offset, from);
+  ++constructed_;
+}
+
+Context::Context(const internal::Plan& plan) : Context(&plan) {
+  for (const Slot& slot : plan_->slots) Construct(slot.initial);
   for (std::size_t i = 0; i < plan_->continuous.size(); ++i) StoreState(static_cast<int>(i));
-  const internal::Bits& valid = plan_->initially_valid;
-  std::memcpy(Valid() + valid.first, plan_->pool.data() + valid.pool, valid.size * sizeof(std::uint64_t));
-  for (const internal::Rate& rate : plan_->rates) {
-    line_.next_tick.push_back(0);
-    line_.due.push_back(rate.offset.Times(1));
-  }
+  ResetValid();
+  for (const internal::Rate& rate : plan_->rates) line_.due.push_back(rate.offset.Times(1));
+  line_.next_tick.assign(plan_->rates.size(), 0);
   line_.side.assign(plan_->guards.size(), 0);
   line_.fired.assign(plan_->guards.size(), -1e300);
   line_.quick.assign(plan_->guards.size(), 0);
 }
 
-Context::Context(const Context& other) : plan_{other.plan_}, line_{other.line_} {
-  Allocate();
+Context::Context(const Context& other) : Context(other.plan_) {
   for (const Slot& slot : plan_->slots)
-    slot.type->construct(arena_ + slot.offset,
-                         slot.role == Role::Scratch ? slot.initial : other.arena_ + slot.offset);
-  CopyValues(other);
+    Construct(slot.role == Role::Scratch ? slot.initial : other.arena_ + slot.offset);
+  line_ = other.line_;
+  CopyBehindValues(other);
 }
 
 Context::Context(Context&& other) noexcept
-    : plan_{other.plan_}, arena_{other.arena_}, line_{std::move(other.line_)}, rules_run_{other.rules_run_} {
-  other.arena_ = nullptr;
+    : plan_{other.plan_},
+      arena_{std::exchange(other.arena_, nullptr)},
+      constructed_{std::exchange(other.constructed_, 0)},
+      line_{std::move(other.line_)},
+      rules_run_{other.rules_run_} {}
+
+Context& Context::operator=(Context&& other) noexcept {
+  std::swap(plan_, other.plan_);
+  std::swap(arena_, other.arena_);
+  std::swap(constructed_, other.constructed_);
+  std::swap(line_, other.line_);
+  std::swap(rules_run_, other.rules_run_);
+  return *this;
 }
 
 Context& Context::operator=(const Context& other) {
   if (this == &other) return *this;
+  if (!arena_) return *this = Context(other);
   Require(plan_ == other.plan_, "a context is assigned from one of the same diagram");
   for (const Slot& slot : plan_->slots)
     if (slot.role != Role::Scratch)
       slot.type->assign(arena_ + slot.offset, other.arena_ + slot.offset);
   line_ = other.line_;
-  CopyValues(other);
+  CopyBehindValues(other);
   return *this;
 }
 
 Context::~Context() {
   if (!arena_) return;
-  for (const Slot& slot : plan_->slots) slot.type->destroy(arena_ + slot.offset);
-  ::operator delete(arena_, kAlignment);
+  for (std::size_t i = 0; i < constructed_; ++i)
+    plan_->slots[i].type->destroy(arena_ + plan_->slots[i].offset);
+  ::operator delete (arena_, std::align_val_t{plan_->alignment});
 }
 
-void Context::Allocate() {
-  arena_ = static_cast<std::byte*>(::operator new(plan_->bytes, kAlignment));
-  std::memset(arena_ + plan_->valid_offset, 0, plan_->bytes - plan_->valid_offset);
-}
-
-/// The part of the arena behind the values: validity bits and state vector.
-void Context::CopyValues(const Context& other) {
+/// Validity bits and state vector.
+void Context::CopyBehindValues(const Context& other) {
   std::memcpy(arena_ + plan_->valid_offset, other.arena_ + plan_->valid_offset,
               plan_->bytes - plan_->valid_offset);
+}
+
+/// Only held outputs hold.
+void Context::ResetValid() {
+  const internal::Bits& held = plan_->initially_valid;
+  std::fill_n(Valid(), plan_->words, 0);
+  std::copy_n(plan_->pool.data() + held.pool, held.size, Valid() + held.first);
 }
 
 bool Context::operator==(const Context& other) const {
@@ -82,53 +103,102 @@ bool Context::operator==(const Context& other) const {
 }
 
 std::size_t Context::bytes() const {
-  return plan_->bytes + sizeof(*this) +
-         line_.next_tick.size() * 2 * sizeof(std::int64_t) +
+  return plan_->bytes + sizeof(*this) + line_.next_tick.size() * 2 * sizeof(std::int64_t) +
          line_.side.size() * (2 * sizeof(double) + sizeof(int));
 }
 
 void Context::ThrowNotHere(const internal::Value& value) const {
-  throw Error(value.path() + " is not a value of this diagram; build the diagram with its block, and read it through "
-              "a context of that diagram");
+  throw Error(value.path() +
+              " is not a value of this diagram; build the diagram with its block, and read it "
+              "through a context of that diagram");
 }
 
-void Context::CheckSettable(const internal::Value& value) const {
+void Context::ThrowShape(const internal::Value& value, Eigen::Index expected, Eigen::Index found) {
+  throw Error("cannot set " + value.describe() + ": it has " + Text(expected) + " numbers, got " +
+              Text(found));
+}
+
+void Context::ThrowNotSettable(const internal::Value& value) {
+  const auto& declared = internal::Access::Of(value);
+  const bool wired = !declared.from.empty();
+  const bool workspace = declared.kind == internal::Kind::Scratch;
+  throw Error("cannot set " + value.describe() +
+              (wired       ? ": it is connected"
+               : workspace ? ": it is a workspace"
+                           : ": it follows from other values"));
+}
+
+void Context::GetNumbers(const internal::Value& value, std::span<double> numbers) {
   Check(value);
-  if (internal::Access::Source(value) < 0)
-    throw Error("cannot set " + value.describe() + ": it follows from other values");
-  if (internal::Access::Of(value).kind == internal::Kind::Input && !internal::Access::Of(value).from.empty() &&
-      internal::Access::RuleOf(value) >= 0)
-    throw Error("cannot set " + value.describe() + ": it is connected");
+  CheckNumbers(value, numbers.size());
+  const std::int32_t rule = internal::Access::RuleOf(value);
+  if (rule >= 0 && !IsValid(rule)) Evaluate(plan_->needs[static_cast<std::size_t>(rule)]);
+  internal::Access::TypeOf(value).store(arena_ + internal::Access::Offset(value), numbers.data());
 }
 
-void Context::Changed(const internal::Value& value) {
-  Invalidate(plan_->sources[static_cast<std::size_t>(internal::Access::Source(value))]);
-  for (std::size_t i = 0; i < plan_->continuous.size(); ++i)
-    if (plan_->continuous[i].value == &value) StoreState(static_cast<int>(i));
+void Context::SetNumbers(const internal::Value& value, std::span<const double> numbers) {
+  CheckSettable(value);
+  CheckNumbers(value, numbers.size());
+  internal::Access::TypeOf(value).set_numbers(arena_ + internal::Access::Offset(value),
+                                              numbers.data());
+  Changed(value);
 }
 
-void Context::LoadState(const double* x) {
-  for (const internal::ContinuousEntry& entry : plan_->continuous)
-    entry.type->set_numbers(arena_ + entry.offset, x + entry.first);
+void Context::CheckNumbers(const internal::Value& value, std::size_t count) const {
+  const internal::ValueType* type = internal::Access::Of(value).type;
+  if (!type || !type->write || internal::Access::Of(value).kind == internal::Kind::InputList)
+    throw Error(value.describe() +
+                " is not made of numbers\ngive its type a function template Fields");
+  const std::size_t expected = type->count(arena_ + internal::Access::Offset(value));
+  if (count != expected)
+    throw Error(value.describe() + " has " + Text(expected) + " numbers, got " + Text(count));
 }
+
+namespace {
+
+void CheckCount(const internal::ContinuousEntry& entry, std::size_t count, const char* whose) {
+  if (count != static_cast<std::size_t>(entry.size))
+    throw Error(std::string(whose) + entry.value->describe() + " has " + Text(entry.size) +
+                " numbers, but its rule gave " + Text(count));
+}
+
+}  // namespace
 
 void Context::StoreState(int continuous) {
   const internal::ContinuousEntry& entry = plan_->continuous[static_cast<std::size_t>(continuous)];
+  CheckCount(entry, entry.type->count(arena_ + entry.offset), "");
   entry.type->store(arena_ + entry.offset, StateData() + entry.first);
+}
+
+void Context::Derivatives(std::span<double> rates) {
+  Require(rates.size() == state().size(), "there is a rate for each state", rates.size());
+  Evaluate(plan_->derivatives);
+  StoreRates(rates);
+}
+
+void Context::StoreRates(std::span<double> rate) const {
+  for (const internal::ContinuousEntry& entry : plan_->continuous) {
+    CheckCount(entry, entry.rate_type->count(arena_ + entry.rate_offset), "the rate of ");
+    entry.rate_type->store(arena_ + entry.rate_offset, rate.data() + entry.first);
+  }
 }
 
 void Context::CommitUpdates(const internal::Happening& h) {
   for (const internal::Commit& c : h.commits) {
     c.type->assign(arena_ + c.to, arena_ + c.from);
+    Invalidate(plan_->sources[static_cast<std::size_t>(c.source)]);
     if (c.continuous >= 0) StoreState(c.continuous);
   }
-  for (const internal::Commit& c : h.commits)
-    Invalidate(plan_->sources[static_cast<std::size_t>(c.source)]);
 }
 
-bool Context::Holds(double t, const double* x) {
-  return time() == t &&
-         std::memcmp(x, StateData(), static_cast<std::size_t>(plan_->states) * sizeof(double)) == 0;
+/// To another time and state; nothing becomes stale if they are what they were.
+void Context::MoveTo(double t, std::span<const double> state) {
+  if (time() == t && std::memcmp(state.data(), StateData(), state.size_bytes()) == 0) return;
+  SetTime(t);
+  std::ranges::copy(state, StateData());
+  for (const internal::ContinuousEntry& entry : plan_->continuous)
+    entry.type->set_numbers(arena_ + entry.offset, state.data() + entry.first);
+  Invalidate(plan_->moving_dependents);
 }
 
 }  // namespace pliant

@@ -24,6 +24,7 @@ class Context {
   Context(const Context& other);
   Context& operator=(const Context& other);
   Context(Context&& other) noexcept;
+  Context& operator=(Context&& other) noexcept;
   ~Context();
 
   bool operator==(const Context& other) const;
@@ -40,18 +41,33 @@ class Context {
     return internal::At<typename V::Signal>(arena_, internal::Access::Offset(value));
   }
 
-  /// Gives an unconnected input, or a state, a value; what depends on it follows.
+  template <class S>
+  void Get(const InputList<S>&) = delete;  // it is many values
+
+  /// Gives an unconnected input, a state or a held output a value; what depends on it follows. NaN
+  /// is a value like any other.
   template <class V>
   void Set(const V& value, const typename V::Signal& x) {
     CheckSettable(value);
-    internal::At<typename V::Signal>(arena_, internal::Access::Offset(value)) = x;
+    auto& held = internal::At<typename V::Signal>(arena_, internal::Access::Offset(value));
+    if constexpr (internal::Dense<typename V::Signal>)
+      if (x.rows() != held.rows() || x.cols() != held.cols())
+        ThrowShape(value, held.size(), x.size());
+    held = x;
     Changed(value);
   }
+
+  /// The numbers of a value of any type made of numbers, in the order of a log's columns.
+  void GetNumbers(const internal::Value& value, std::span<double> numbers);
+  /// Sets them, of an unconnected input or a state.
+  void SetNumbers(const internal::Value& value, std::span<const double> numbers);
 
   /// Number of rules run since the context was made, for measuring what an evaluation costs.
   std::uint64_t rules_run() const { return rules_run_; }
 
   std::span<double> state() { return {StateData(), static_cast<std::size_t>(plan_->states)}; }
+  /// ẋ, in the order of the state.
+  void Derivatives(std::span<double> rates);
 
   /// Bytes of the arena and of the time line.
   std::size_t bytes() const;
@@ -80,8 +96,18 @@ class Context {
     if (internal::Access::PlanOf(value) != plan_) ThrowNotHere(value);
   }
   [[noreturn]] void ThrowNotHere(const internal::Value& value) const;
-  void CheckSettable(const internal::Value& value) const;
-  void Changed(const internal::Value& value);
+  [[noreturn]] static void ThrowShape(const internal::Value& value, Eigen::Index expected,
+                                      Eigen::Index found);
+  void CheckSettable(const internal::Value& value) const {
+    Check(value);
+    if (internal::Access::Source(value) < 0) ThrowNotSettable(value);
+  }
+  [[noreturn]] static void ThrowNotSettable(const internal::Value& value);
+  void CheckNumbers(const internal::Value& value, std::size_t count) const;
+  void Changed(const internal::Value& value) {
+    Invalidate(plan_->sources[static_cast<std::size_t>(internal::Access::Source(value))]);
+    if (internal::Access::State(value) >= 0) StoreState(internal::Access::State(value));
+  }
 
   std::uint64_t* Valid() { return reinterpret_cast<std::uint64_t*>(arena_ + plan_->valid_offset); }
   double* StateData() { return reinterpret_cast<double*>(arena_ + plan_->state_offset); }
@@ -95,7 +121,8 @@ class Context {
 
   /// The word w of a set of rules.
   std::uint64_t Word(const internal::Bits& bits, std::uint32_t w) const {
-    return w < bits.first || w >= bits.first + bits.size ? 0 : plan_->pool[bits.pool + w - bits.first];
+    return w < bits.first || w >= bits.first + bits.size ? 0
+                                                         : plan_->pool[bits.pool + w - bits.first];
   }
 
   /// Runs those of the 64 rules of word w that do not hold, in order.
@@ -104,8 +131,7 @@ class Context {
     std::uint64_t run = needed & ~valid;
     if (!run) return;
     const internal::Step* steps = plan_->steps.data() + 64 * static_cast<std::size_t>(w);
-    rules_run_ += static_cast<std::uint64_t>(std::popcount(run));
-    for (; run; run &= run - 1) steps[std::countr_zero(run)](arena_);
+    for (; run; run &= run - 1, ++rules_run_) steps[std::countr_zero(run)](arena_);
     valid |= needed;
   }
 
@@ -115,17 +141,21 @@ class Context {
   }
 
   void CommitUpdates(const internal::Happening& h);
+  void StoreState(int continuous);  // from the typed value into the state vector
+  void StoreRates(std::span<double> rate) const;
 
   void SetTime(double t) { *reinterpret_cast<double*>(arena_) = t; }
-  void LoadState(const double* x);   // from the state vector into the typed values
-  void StoreState(int continuous);   // the other way
-  bool Holds(double t, const double* x);
+  void MoveTo(double t, std::span<const double> state);
+  void ResetValid();
+  void CopyBehindValues(const Context& other);
 
-  void Allocate();
-  void CopyValues(const Context& other);
+  /// With an arena of nothing yet: a constructor that goes on to fill it may throw.
+  explicit Context(const internal::Plan* plan);
+  void Construct(const void* from);
 
   const internal::Plan* plan_;
   std::byte* arena_ = nullptr;
+  std::size_t constructed_ = 0;  // slots
   TimeLine line_;
   std::uint64_t rules_run_ = 0;
 };

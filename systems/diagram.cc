@@ -25,12 +25,24 @@ std::vector<ValueInfo> Diagram::Values() const {
                                          internal::RuleKind::Held;
       std::string kind;
       switch (declared.kind) {
-        case Kind::Input: kind = "input"; break;
-        case Kind::InputList: kind = "input list"; break;
-        case Kind::Output: kind = held ? "held output" : "output"; break;
-        case Kind::Discrete: kind = "discrete"; break;
-        case Kind::Continuous: kind = "continuous"; break;
-        case Kind::Scratch: kind = "scratch"; break;
+        case Kind::Input:
+          kind = "input";
+          break;
+        case Kind::InputList:
+          kind = "input list";
+          break;
+        case Kind::Output:
+          kind = held ? "held output" : "output";
+          break;
+        case Kind::Discrete:
+          kind = "discrete";
+          break;
+        case Kind::Continuous:
+          kind = "continuous";
+          break;
+        case Kind::Scratch:
+          kind = "scratch";
+          break;
       }
       values.push_back({declared.value->path(), kind, declared.type ? declared.type->name : "any",
                         declared.type ? declared.type->unit : "", declared.space.text()});

@@ -28,7 +28,7 @@ std::string Text(const T& value) {
 /// Throws "<rule>, got <found>" unless `holds`. A block's path is put in front of it when the block
 /// is added to a diagram.
 template <class T>
-void Require(bool holds, std::string_view rule, const T& found) {
+constexpr void Require(bool holds, std::string_view rule, const T& found) {
   if (!holds) throw Error(std::string(rule) + ", got " + Text(found));
 }
 inline void Require(bool holds, std::string_view rule) {

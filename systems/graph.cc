@@ -6,12 +6,8 @@ namespace {
 
 using internal::Access;
 
-std::string Id(const Block& block) {
-  std::string id = "b_" + block.path();
-  for (char& c : id)
-    if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
-  return id;
-}
+/// Short and unambiguous, whatever the blocks are named.
+std::string Id(const Block& block) { return "b" + std::to_string(Access::Number(block)); }
 
 /// The ends of a wire, behind the ports of composites.
 struct Edge {
@@ -39,8 +35,9 @@ std::vector<Edge> Edges(const internal::Plan& plan) {
       std::vector<std::pair<const Block*, int>> sources;
       if (!values[v].from.empty()) FollowTo(*block, static_cast<int>(v), sources);
       for (const auto& [source, port] : sources)
-        edges.push_back({source, Access::Values(*source)[static_cast<std::size_t>(port)].name, block,
-                         values[v].name});
+        if (!dynamic_cast<const Composite*>(source))  // a default, and no wire
+          edges.push_back({source, Access::Values(*source)[static_cast<std::size_t>(port)].name,
+                           block, values[v].name});
     }
   }
   return edges;
@@ -53,7 +50,8 @@ void DrawGraphviz(const Composite& composite, const std::string& indent, std::st
       out += indent + Id(*part) + " [label=\"" + part->name() + "\"];\n";
       continue;
     }
-    out += indent + "subgraph cluster_" + Id(*inner) + " {\n" + indent + "  label=\"" + inner->name() + "\";\n";
+    out += indent + "subgraph cluster_" + Id(*inner) + " {\n" + indent + "  label=\"" +
+           inner->name() + "\";\n";
     DrawGraphviz(*inner, indent + "  ", out);
     out += indent + "}\n";
   }
@@ -76,12 +74,13 @@ void DrawMermaid(const Composite& composite, const std::string& indent, std::str
 
 std::string Diagram::Graphviz() const {
   std::string out =
-      "digraph diagram {\n  rankdir=LR;\n  node [shape=box, style=rounded, fontname=\"sans-serif\"];\n"
+      "digraph diagram {\n  rankdir=LR;\n  node [shape=box, style=rounded, "
+      "fontname=\"sans-serif\"];\n"
       "  edge [fontname=\"sans-serif\", fontsize=9];\n";
   DrawGraphviz(*plan_->root, "  ", out);
   for (const Edge& e : Edges(*plan_))
-    out += "  " + Id(*e.from) + " -> " + Id(*e.to) + " [taillabel=\"" + e.output + "\", headlabel=\"" +
-           e.input + "\"];\n";
+    out += "  " + Id(*e.from) + " -> " + Id(*e.to) + " [taillabel=\"" + e.output +
+           "\", headlabel=\"" + e.input + "\"];\n";
   return out + "}\n";
 }
 
@@ -89,7 +88,8 @@ std::string Diagram::Mermaid() const {
   std::string out = "flowchart LR\n";
   DrawMermaid(*plan_->root, "  ", out);
   for (const Edge& e : Edges(*plan_))
-    out += "  " + Id(*e.from) + " -- \"" + e.output + " → " + e.input + "\" --> " + Id(*e.to) + "\n";
+    out +=
+        "  " + Id(*e.from) + " -- \"" + e.output + " → " + e.input + "\" --> " + Id(*e.to) + "\n";
   return out;
 }
 

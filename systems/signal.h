@@ -10,15 +10,16 @@
 
 namespace pliant {
 
-/// Largest number of joints of a joint vector (CMake: PLIANT_MAX_JOINTS). Vectors are bounded so that
-/// they live on the stack and inside the context.
+/// Largest number of joints of a joint vector (CMake: PLIANT_MAX_JOINTS). Vectors are bounded so
+/// that they live on the stack and inside the context.
 #ifdef PLIANT_MAX_JOINTS
 inline constexpr int kMaxJoints = PLIANT_MAX_JOINTS;
 #else
 inline constexpr int kMaxJoints = 32;
 #endif
 
-/// One number per joint: gains and other parameters. As a signal, a number per joint without a unit.
+/// One number per joint: gains and other parameters. As a signal, a number per joint without a
+/// unit.
 using PerJoint = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxJoints, 1>;
 
 /// One column per joint, up to 6 rows: a Jacobian.
@@ -54,8 +55,8 @@ struct Signal : Eigen::Matrix<double, Rows, 1, Eigen::ColMajor, MaxRows, 1> {
   template <class E>
   Signal(const Eigen::MatrixBase<E>& e) : Base(e) {}  // NOLINT: a rule returns plain algebra
   template <class E, class S2, int R2, int M2>
-    requires(!std::is_same_v<D, E>)
-  Signal(const Signal<E, S2, R2, M2>&) = delete;
+  requires(!std::is_same_v<D, E>) Signal(const Signal<E, S2, R2, M2>&)
+  = delete;
 
   Signal(std::initializer_list<double> numbers)  // NOLINT: {1.0, -2.0} is a value
       : Base(Eigen::Map<const Eigen::VectorXd>(numbers.begin(),
@@ -67,8 +68,7 @@ struct Signal : Eigen::Matrix<double, Rows, 1, Eigen::ColMajor, MaxRows, 1> {
     return *this;
   }
   template <class E, class S2, int R2, int M2>
-    requires(!std::is_same_v<D, E>)
-  Signal& operator=(const Signal<E, S2, R2, M2>&) = delete;
+  requires(!std::is_same_v<D, E>) Signal& operator=(const Signal<E, S2, R2, M2>&) = delete;
 
   /// All zero, of the size the space asks for.
   static D Zero(const Space& space) {
@@ -135,8 +135,8 @@ struct Pose {
   using Space = Frame;
   static constexpr Quantity quantity{"pose", "m, rotation"};
 
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();         ///< of B's origin, in A
-  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();     ///< R_AB
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();      ///< of B's origin, in A
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();  ///< R_AB
 
   template <class Visitor>
   void Fields(Visitor&& f) {
@@ -155,10 +155,10 @@ struct ContactForce {
   using Space = Nothing;
   static constexpr Quantity quantity{"contact force", "N, N·m"};
 
-  int link = -1;                                          ///< index of the link, −1: none
-  Eigen::Vector3d point = Eigen::Vector3d::Zero();        ///< in the link's frame [m]
-  Eigen::Vector3d force = Eigen::Vector3d::Zero();        ///< [N]
-  Eigen::Vector3d moment = Eigen::Vector3d::Zero();       ///< [N·m]
+  int link = -1;                                     ///< index of the link, −1: none
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();   ///< in the link's frame [m]
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();   ///< [N]
+  Eigen::Vector3d moment = Eigen::Vector3d::Zero();  ///< [N·m]
 
   template <class Visitor>
   void Fields(Visitor&& f) {

@@ -11,7 +11,11 @@ using internal::Plan;
 
 namespace {
 
-constexpr double kNever = 1e10;  // [s] later than any time a simulation may reach
+constexpr double kNever = 1e10;         // [s] later than any time a simulation may reach
+constexpr double kFreshSpacing = 1e-9;  // [s] of guard samples right after an event
+
+constexpr const char* kZenoRemedy =
+    "\nlet its update end the motion, or change to a mode without the guard";
 
 double Seconds(std::int64_t ns) { return static_cast<double>(ns) / 1e9; }
 
@@ -22,9 +26,11 @@ Simulator::Simulator(const Diagram& diagram, const Options& options)
   Require(options_.guard_spacing_s > 0, "guard_spacing_s must be > 0", options_.guard_spacing_s);
   Require(options_.zeno_interval_s >= 0, "zeno_interval_s must be >= 0", options_.zeno_interval_s);
   if (plan_.states > 0)
-    integrator_ = MakeIntegrator(options_.integrator, plan_.states, Derivatives(&Simulator::Rate, this));
+    integrator_ =
+        MakeIntegrator(options_.integrator, plan_.states, Derivatives(&Simulator::Rate, this));
   sides_.resize(plan_.guards.size());
   buffer_.resize(static_cast<std::size_t>(plan_.states));
+  begin_.resize(buffer_.size());
   Start();
 }
 
@@ -61,7 +67,9 @@ void Simulator::Restart() {
 void Simulator::AdvanceTo(double t) {
   Require(std::isfinite(t) && std::abs(t) < 9e9, "AdvanceTo: t must be finite and below 9e9 s", t);
   const double end = Seconds(std::llround(t * 1e9));
-  Require(end >= time(), "AdvanceTo: t must not lie before the time reached, " + Text(time()) + " s", t);
+  if (end < time())
+    throw Error("AdvanceTo: t must not lie before the time reached, " + Text(time()) + " s, got " +
+                Text(t));
   while (time() < end) {
     if (guard_ >= 0 && time() == hi_) {
       Fire(static_cast<std::size_t>(guard_));
@@ -74,8 +82,15 @@ void Simulator::AdvanceTo(double t) {
     }
     if (time() == hi_) TakeStep();
     Show(std::min({tick, end, hi_}));
-    if (time() == hi_ && !plan_.step.publishes.empty()) PublishAll(plan_.step);
+    if (time() == hi_ && integrator_) PublishAll(plan_.step);
   }
+}
+
+void Simulator::AdvanceThroughTick() {
+  Require(!plan_.rates.empty(), "nothing ticks: no rule of the diagram has Every(period)");
+  AdvanceTo(Seconds(context_.line_.due[NextRate()]));
+  while (guard_ >= 0 && time() == hi_) Fire(static_cast<std::size_t>(guard_));
+  Tick();
 }
 
 std::size_t Simulator::NextRate() const {
@@ -86,7 +101,7 @@ std::size_t Simulator::NextRate() const {
   return next;
 }
 
-/// The next tick that changes what the derivatives depend on: the integrator must not pass it.
+/// The next tick that changes what derivatives or guards depend on: no step must pass it.
 double Simulator::StopTime() const {
   double stop = kNever;
   for (std::size_t r = 0; r < plan_.rates.size(); ++r)
@@ -97,53 +112,50 @@ double Simulator::StopTime() const {
 
 bool Simulator::Rate(void* self, double t, std::span<const double> x, std::span<double> rate) {
   Simulator& sim = *static_cast<Simulator*>(self);
-  Context& context = sim.context_;
-  if (!context.Holds(t, x.data())) {
-    context.SetTime(t);
-    std::copy(x.begin(), x.end(), context.StateData());
-    context.LoadState(x.data());
-    context.Invalidate(sim.plan_.moving_dependents);
-  }
-  context.Evaluate(sim.plan_.derivatives);
-  for (const internal::ContinuousEntry& entry : sim.plan_.continuous)
-    entry.rate_type->store(context.arena_ + entry.rate_offset, rate.data() + entry.first);
+  sim.context_.MoveTo(t, x);
+  sim.context_.Evaluate(sim.plan_.derivatives);
+  sim.context_.StoreRates(rate);
   return true;
 }
 
 /// Moves the context to t within the last step.
 void Simulator::Show(double t) {
-  if (integrator_) {
-    integrator_->Interpolate(t, buffer_);
-    if (context_.Holds(t, buffer_.data())) return;
-    std::copy(buffer_.begin(), buffer_.end(), context_.StateData());
-    context_.LoadState(buffer_.data());
-    context_.SetTime(t);
-    context_.Invalidate(plan_.moving_dependents);
-  } else if (context_.time() != t) {
-    context_.SetTime(t);
-    context_.Invalidate(plan_.time_dependents);
-  }
+  if (integrator_) integrator_->Interpolate(t, buffer_);
+  context_.MoveTo(t, buffer_);
 }
 
 void Simulator::TakeStep() {
   lo_ = time();
-  const double stop = StopTime();
-  if (integrator_) {
-    try {
+  std::ranges::copy(context_.state(), begin_.begin());
+  try {
+    const double stop = StopTime();
+    if (integrator_) {
       hi_ = integrator_->Step(stop);
-    } catch (const IntegratorFailure& failure) {
-      const std::string state = failure.element() >= 0 ? plan_.StateName(failure.element()) : "";
-      throw Error(std::string(failure.what()) + (state.empty() ? "" : "\n  state  " + state));
+    } else {
+      hi_ = plan_.guards.empty() ? stop : std::min(stop, lo_ + options_.integrator.max_step_s);
     }
-  } else {
-    hi_ = plan_.guards.empty() ? stop : std::min(stop, lo_ + options_.integrator.max_step_s);
+    if (!plan_.guards.empty()) SampleGuards(lo_, hi_);
+  } catch (const IntegratorFailure& failure) {
+    GiveUpStep();
+    if (failure.element() < 0) throw;
+    throw Error(std::string(failure.what()) + "\n  state  " + plan_.StateName(failure.element()));
+  } catch (...) {
+    GiveUpStep();
+    throw;
   }
-  if (!plan_.guards.empty()) SampleGuards(lo_, hi_);
+}
+
+/// Back to where the step began, ready to try again.
+void Simulator::GiveUpStep() {
+  hi_ = lo_;
+  guard_ = -1;
+  context_.MoveTo(lo_, begin_);
+  if (integrator_) integrator_->Reset(lo_, begin_, context_.line_.step);
 }
 
 double Simulator::GuardNow(std::size_t guard) {
   const internal::GuardEntry& g = plan_.guards[guard];
-  context_.Evaluate(plan_.needs[static_cast<std::size_t>(g.rule)]);
+  if (g.rule >= 0) context_.Evaluate(plan_.needs[static_cast<std::size_t>(g.rule)]);
   return internal::At<double>(context_.arena_, g.offset);
 }
 
@@ -165,10 +177,11 @@ double Simulator::Locate(std::size_t guard, double a, double b) {
   double fa = GuardAt(guard, a), fb = GuardAt(guard, b);
   if (!Crosses(guard, before, fb)) return b;
   for (int i = 0; i < 200; ++i) {
-    const double resolution = 2 * std::numeric_limits<double>::epsilon() * std::max(std::abs(a), std::abs(b));
+    const double resolution =
+        2 * std::numeric_limits<double>::epsilon() * std::max(std::abs(a), std::abs(b));
     if (b - a <= resolution || fb == 0) break;
     double c = (a * fb - b * fa) / (fb - fa);
-    if (!(c > a && c < b) || i % 8 == 7) c = 0.5 * (a + b);
+    if (!(c > a && c < b) || i % 4 == 3) c = 0.5 * (a + b);
     const double fc = GuardAt(guard, c);
     if (Crosses(guard, before, fc)) {
       b = c, fb = fc, fa *= 0.5;
@@ -182,43 +195,52 @@ double Simulator::Locate(std::size_t guard, double a, double b) {
 /// Looks for the first crossing in (from, to] and cuts the step there.
 void Simulator::SampleGuards(double from, double to) {
   std::vector<double>& side = context_.line_.side;
-  double spacing = fresh_ ? 1e-9 : options_.guard_spacing_s;
-  double a = from;
-  while (a < to && guard_ < 0) {
-    const double b = std::min(to, a + spacing);
+  double spacing = fresh_ ? kFreshSpacing : options_.guard_spacing_s;
+  for (double a = from, b; a < to && guard_ < 0; a = b) {
+    b = std::min(to, std::max(a + spacing, std::nextafter(a, kNever)));
     spacing = std::min(2 * spacing, options_.guard_spacing_s);
-    if (!(b > a)) break;
-    double first = kNever;
+    Show(b);
     for (std::size_t g = 0; g < side.size(); ++g) {
-      sides_[g] = GuardAt(g, b);
+      sides_[g] = GuardNow(g);
       if (!std::isfinite(sides_[g]))
-        throw Error("the guard " + plan_.guards[g].value->path() + " is not finite at t = " + Text(b) + " s");
-      if (!Crosses(g, side[g], sides_[g])) continue;
-      const double at = Locate(g, a, b);
-      if (at < first) first = at, guard_ = static_cast<int>(g);
-    }
-    if (guard_ >= 0) {
-      hi_ = first;
-      break;
+        throw Error("the guard " + plan_.guards[g].value->path() +
+                    " is not finite at t = " + Text(b) + " s");
     }
     for (std::size_t g = 0; g < side.size(); ++g)
-      if (sides_[g] != 0) {
-        // A guard that fired, came back too little to be seen and goes on: bounces without end.
-        if (fired_last_ == static_cast<int>(g) && context_.line_.quick[g] > 0 &&
-            sides_[g] * side[g] > 0 && std::abs(sides_[g]) > std::abs(side[g]) &&
-            b - context_.line_.fired[g] < options_.zeno_interval_s &&
-            ((plan_.guards[g].direction == Direction::Falling && sides_[g] < 0) ||
-             (plan_.guards[g].direction == Direction::Rising && sides_[g] > 0)))
-          throw Error("Zeno behaviour: the guard " + plan_.guards[g].value->path() +
-                      " fires without end at t = " + Text(b) +
-                      " s\nlet its update end the motion, or change to a mode without the guard");
-        side[g] = sides_[g];
+      if (Crosses(g, side[g], sides_[g])) {
+        const double at = Locate(g, a, b);
+        if (guard_ >= 0 && at >= hi_) continue;
+        hi_ = at;
+        guard_ = static_cast<int>(g);
       }
+    if (guard_ >= 0) break;
+    if (fired_last_ >= 0) CheckFallingThrough(static_cast<std::size_t>(fired_last_), b);
+    for (std::size_t g = 0; g < side.size(); ++g)
+      if (sides_[g] != 0) side[g] = sides_[g];
     fired_last_ = -1;
-    a = b;
   }
-  if (hi_ > from) fresh_ = false;
+  fresh_ = fresh_ && !(hi_ > from);
   Show(from);
+}
+
+/// A guard that fired in quick succession, came back too little to be seen and goes on: it would
+/// fire without end.
+void Simulator::CheckFallingThrough(std::size_t guard, double t) const {
+  const Context::TimeLine& line = context_.line_;
+  const double before = line.side[guard], now = sides_[guard];
+  const bool goes_on = plan_.guards[guard].direction != Direction::Both && before * now > 0 &&
+                       std::abs(now) > std::abs(before) &&
+                       (now < 0) == (plan_.guards[guard].direction == Direction::Falling);
+  if (line.quick[guard] > 0 && goes_on && t - line.fired[guard] <= options_.zeno_interval_s)
+    throw Error("Zeno behaviour: the guard " + plan_.guards[guard].value->path() +
+                " fires without end at t = " + Text(t) + " s" + kZenoRemedy);
+}
+
+/// Before a change in mid-step: what was seen of the guards, at the end of the step, is seen here.
+void Simulator::LookHere() {
+  if (time() >= hi_) return;
+  for (std::size_t g = 0; g < sides_.size(); ++g)
+    if (const double now = GuardNow(g); now != 0) context_.line_.side[g] = now;
 }
 
 /// After an event: guards that jumped over zero fire now, one by one.
@@ -227,23 +249,23 @@ void Simulator::FindJumps() {
   for (std::size_t g = 0; g < side.size(); ++g) {
     const double now = GuardNow(g);
     if (Crosses(g, side[g], now)) {
-      lo_ = hi_ = time();
-      guard_ = static_cast<int>(g);
-      return;
+      if (guard_ < 0) guard_ = static_cast<int>(g);
+    } else if (now != 0) {
+      side[g] = now;
     }
-    if (now != 0) side[g] = now;
   }
 }
 
 void Simulator::Fire(std::size_t guard) {
   const internal::GuardEntry& g = plan_.guards[guard];
   Context::TimeLine& line = context_.line_;
-  line.quick[guard] = time() - line.fired[guard] < options_.zeno_interval_s ? line.quick[guard] + 1 : 0;
+  const bool quick = time() - line.fired[guard] <= options_.zeno_interval_s;
+  line.quick[guard] = quick ? line.quick[guard] + 1 : 0;
   line.fired[guard] = time();
   if (line.quick[guard] >= 2)
-    throw Error("Zeno behaviour: the guard " + g.value->path() + " fires again and again at t = " +
-                Text(time()) + " s, three times within " + Text(2 * options_.zeno_interval_s) +
-                " s\nlet its update end the motion, or change to a mode without the guard");
+    throw Error("Zeno behaviour: the guard " + g.value->path() +
+                " fires again and again at t = " + Text(time()) + " s, three times within " +
+                Text(2 * options_.zeno_interval_s) + " s" + kZenoRemedy);
   const double now = GuardNow(guard);
   line.side[guard] = now != 0 ? now : -line.side[guard];
   PublishAll(g.event);
@@ -284,12 +306,9 @@ void Simulator::Tick() {
   each_due([&](const Happening& h) { context_.CommitUpdates(h); });
   for (std::size_t r = 0; r < line.due.size(); ++r)
     if (line.due[r] == now)
-      line.due[r] = plan_.rates[r].offset.Times(1) + plan_.rates[r].period.Times(++line.next_tick[r]);
-  if (stops) {
-    Restart();
-  } else if (!plan_.guards.empty()) {
-    FindJumps();
-  }
+      line.due[r] =
+          plan_.rates[r].offset.Times(1) + plan_.rates[r].period.Times(++line.next_tick[r]);
+  if (stops) Restart();
 }
 
 void Simulator::PublishAll(const Happening& h) {
@@ -304,25 +323,27 @@ void Simulator::Update(const Happening& h) {
   context_.CommitUpdates(h);
 }
 
-Context Simulator::Snapshot() {
-  Restart();
+/// From here on the run depends on the context alone.
+void Simulator::Settle() {
+  LookHere();
   fresh_ = true;
   fired_last_ = -1;
+  Restart();
+}
+
+Context Simulator::Snapshot() {
+  Settle();
   return context_;
 }
 
 void Simulator::Restore(const Context& snapshot) {
   context_ = snapshot;
   lo_ = hi_ = time();
-  Restart();
-  fresh_ = true;
-  fired_last_ = -1;
+  Settle();
 }
 
 void Simulator::Save(const std::filesystem::path& file) {
-  Restart();
-  fresh_ = true;
-  fired_last_ = -1;
+  Settle();
   context_.Save(file);
 }
 

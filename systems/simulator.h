@@ -3,7 +3,9 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "pliant/systems/diagram.h"
 #include "pliant/systems/integrator.h"
@@ -19,10 +21,11 @@ namespace pliant {
 ///   3. updates due, which read x_k and the new y_k; then all are committed at once
 ///
 /// Between ticks the continuous state follows SUNDIALS. A guard is sampled on the dense output of
-/// every step, at least every `guard_spacing_s` and, after it fired, from a nanosecond on at doubled
-/// distances; a change of sign is located to the resolution of a double. So two crossings are found
-/// if they are further apart than the spacing. Guards go before a tick at the same instant; a guard
-/// that jumps over zero at an event fires at once. A guard that is zero at start has not crossed.
+/// every step, at least every `guard_spacing_s` and, after it fired, from a nanosecond on at
+/// doubled distances; a change of sign is located to the resolution of a double. So two crossings
+/// are found if they are further apart than the spacing. Guards go before a tick at the same
+/// instant; a guard that jumps over zero at an event fires at once. A guard that is zero at start
+/// has not crossed.
 ///
 /// AdvanceTo(t) ends before the events at t, which begin the next call; a run split into many calls
 /// is the same run, bit for bit.
@@ -39,11 +42,17 @@ class Simulator {
   /// the simulator.
   explicit Simulator(const Diagram& diagram) : Simulator(diagram, Options{}) {}
   Simulator(const Diagram& diagram, const Options& options);
+  explicit Simulator(const Diagram&&) = delete;
+  Simulator(const Diagram&&, const Options&) = delete;
   ~Simulator();
 
   /// Advances to t [s], rounded to whole nanoseconds. Throws Error if the integrator cannot: with
-  /// the time, the state and the reason.
+  /// the time, the state and the reason. After that, and after an exception of a rule, it stands
+  /// before the step or at the event that failed; Restore leads out of both.
   void AdvanceTo(double t);
+
+  /// Advances to the next tick and through it: its time is reached, and its outputs are held.
+  void AdvanceThroughTick();
 
   double time() const { return context_.time(); }
 
@@ -55,12 +64,23 @@ class Simulator {
   /// Changes an unconnected input or a state now.
   template <class V>
   void Set(const V& value, const typename V::Signal& x) {
+    LookHere();
     context_.Set(value, x);
     Restart();
   }
 
-  /// A copy of everything that changes. Taking it resets the integrator, so that the run that goes on
-  /// and a run restored from it are the same, bit for bit.
+  /// The same for a value whose type is not known, by its numbers in the order of a log's columns.
+  void GetNumbers(const internal::Value& value, std::span<double> numbers) {
+    context_.GetNumbers(value, numbers);
+  }
+  void SetNumbers(const internal::Value& value, std::span<const double> numbers) {
+    LookHere();
+    context_.SetNumbers(value, numbers);
+    Restart();
+  }
+
+  /// A copy of everything that changes. Taking it resets the integrator, so that the run that goes
+  /// on and a run restored from it are the same, bit for bit.
   Context Snapshot();
   void Restore(const Context& snapshot);
 
@@ -73,24 +93,26 @@ class Simulator {
   Integrator::Statistics statistics() const;
 
  private:
-  struct Step;  // the stretch the integrator has gone ahead
   static bool Rate(void* self, double t, std::span<const double> x, std::span<double> rate);
 
   void Start();
   void Restart();
+  void Settle();
   void TakeStep();
+  void GiveUpStep();
   void Show(double t);
   void Tick();
   void Fire(std::size_t guard);
-  bool Happen(const internal::Happening& h);
   void Update(const internal::Happening& h);
   void PublishAll(const internal::Happening& h);
 
-  double GuardAt(std::size_t guard, double t);
   double GuardNow(std::size_t guard);
+  double GuardAt(std::size_t guard, double t);
   bool Crosses(std::size_t guard, double before, double now) const;
   double Locate(std::size_t guard, double a, double b);
   void SampleGuards(double from, double to);
+  void CheckFallingThrough(std::size_t guard, double t) const;
+  void LookHere();
   void FindJumps();
   double StopTime() const;
   std::size_t NextRate() const;
@@ -105,8 +127,8 @@ class Simulator {
   int guard_ = -1;          // the guard that fires at hi_
   bool fresh_ = true;       // lo_ is an event: sample guards finely behind it
   int fired_last_ = -1;
-  std::vector<double> sides_, buffer_;
-  std::exception_ptr thrown_;
+  std::vector<double> sides_;           // of the guards, at a sample
+  std::vector<double> buffer_, begin_;  // states: on their way to the context, and at lo_
 };
 
 }  // namespace pliant

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -14,6 +15,10 @@ using internal::Role;
 using internal::Slot;
 
 constexpr std::string_view kMagic = "pliant snapshot 1\n";
+
+std::uint64_t Checksum(std::string_view bytes) {
+  return internal::Mixed(internal::kFingerprintSeed, bytes);
+}
 
 /// What a restored run needs; computed values follow, workspaces do not matter.
 bool IsKept(const Slot& slot) {
@@ -54,9 +59,11 @@ void Context::Save(const std::filesystem::path& file) const {
   for (const Slot& slot : plan_->slots) {
     if (!IsKept(slot)) continue;
     if (!slot.type->write)
-      throw Error("cannot save " + slot.value->describe() + "\ngive its type a function template Fields");
+      throw Error("cannot save " + slot.value->describe() +
+                  "\ngive its type a function template Fields");
     slot.type->write(arena_ + slot.offset, bytes);
   }
+  Put(bytes, Checksum(bytes));
 
   std::filesystem::path part = file;
   part += ".part";
@@ -83,10 +90,13 @@ void Context::Load(const std::filesystem::path& file) {
 
   Context read(*this);
   const char* p = bytes.data() + kMagic.size();
-  const char* const end = bytes.data() + bytes.size();
-  std::uint64_t fingerprint = 0;
+  const char* const end =
+      bytes.data() + std::max(bytes.size() - sizeof(std::uint64_t), kMagic.size());
+  std::uint64_t fingerprint = 0, checksum = 0;
+  Take(checksum, end, bytes.data() + bytes.size());
+  if (checksum != Checksum({bytes.data(), end})) refuse("it is cut off or damaged");
   p = Take(fingerprint, p, end);
-  if (p && fingerprint != plan_->fingerprint)
+  if (fingerprint != plan_->fingerprint)
     refuse("it was taken of another diagram; build the diagram it was taken of");
   p = Take(read.line_.next_tick, p, end);
   p = Take(read.line_.due, p, end);
@@ -98,17 +108,15 @@ void Context::Load(const std::filesystem::path& file) {
   for (const Slot& slot : plan_->slots) {
     if (!IsKept(slot)) continue;
     if (!slot.type->write)
-      throw Error("cannot restore " + slot.value->describe() + "\ngive its type a function template Fields");
+      throw Error("cannot restore " + slot.value->describe() +
+                  "\ngive its type a function template Fields");
     p = slot.type->read(read.arena_ + slot.offset, p, end);
     if (!p) refuse("it ends or does not fit at " + (slot.value ? slot.value->path() : "the time"));
   }
   if (p != end) refuse("it is longer than the diagram's state");
   for (std::size_t i = 0; i < plan_->continuous.size(); ++i) read.StoreState(static_cast<int>(i));
-  std::memset(read.Valid(), 0, plan_->words * sizeof(std::uint64_t));
-  const internal::Bits& valid = plan_->initially_valid;
-  std::memcpy(read.Valid() + valid.first, plan_->pool.data() + valid.pool,
-              valid.size * sizeof(std::uint64_t));
-  *this = read;
+  read.ResetValid();
+  *this = std::move(read);
 }
 
 }  // namespace pliant

@@ -21,7 +21,8 @@ Joints::Joints(std::vector<std::string> names) : Space(std::move(names)) {
               " elements; configure with -DPLIANT_MAX_JOINTS=… for more",
           size());
   for (int i = 0; i < size(); ++i)
-    for (int k = 0; k < i; ++k) Require((*this)[i] != (*this)[k], "joint names must differ", (*this)[i]);
+    for (int k = 0; k < i; ++k)
+      Require((*this)[i] != (*this)[k], "joint names must differ", (*this)[i]);
 }
 
 Joints Joints::Numbered(int n) {

@@ -24,7 +24,8 @@ class Space {
   std::string text() const;
 
   bool operator==(const Space& o) const {
-    return frame_ == o.frame_ && (names_ == o.names_ || (names_ && o.names_ && *names_ == *o.names_));
+    return frame_ == o.frame_ &&
+           (names_ == o.names_ || (names_ && o.names_ && *names_ == *o.names_));
   }
 
  protected:

@@ -18,11 +18,12 @@ class Duration {
   constexpr Duration() = default;
 
   template <class Rep, class Ratio>
-    requires std::integral<Rep>
+  requires std::integral<Rep>
   constexpr Duration(std::chrono::duration<Rep, Ratio> d)  // NOLINT: 1ms is a Duration
       : numerator_{std::chrono::nanoseconds(d).count()} {}
 
   static constexpr Duration Nanoseconds(std::int64_t numerator, std::int64_t denominator = 1) {
+    if (denominator <= 0) throw Error("a rate must be > 0, got " + Text(denominator));
     const std::int64_t g = std::gcd(numerator, denominator);
     Duration d;
     d.numerator_ = numerator / g;
@@ -45,6 +46,11 @@ class Duration {
            static_cast<__int128>(o.numerator_) * denominator_;
   }
 
+  constexpr Duration operator+(const Duration& o) const {
+    return Nanoseconds(numerator_ * o.denominator_ + o.numerator_ * denominator_,
+                       denominator_ * o.denominator_);
+  }
+
   std::string text() const;  ///< such as "1 ms" or "30 Hz"
 
  private:
@@ -56,6 +62,9 @@ class Duration {
 constexpr Duration Hertz(std::int64_t per_second, std::int64_t seconds = 1) {
   return Duration::Nanoseconds(1'000'000'000 * seconds, per_second);
 }
+
+/// A period for what ticks once: longer than any run.
+inline constexpr Duration kOnce = std::chrono::seconds(9'000'000'000);
 
 constexpr double seconds(Duration d) { return d.seconds(); }
 

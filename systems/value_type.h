@@ -46,6 +46,7 @@ struct ValueType {
   void (*columns)(const void* value, const pliant::Space& space, std::vector<Column>& out);
   /// Writes the numbers of a value whose shape is known; returns the end.
   double* (*store)(const void* value, double* to);
+  std::size_t (*count)(const void* value);  ///< of its numbers
 };
 
 template <class T>
@@ -64,7 +65,9 @@ struct AnyVisitor {
   void operator()(std::string_view, T&, std::string_view) const {}
 };
 template <class T>
-concept HasFields = requires(T& t) { t.Fields(AnyVisitor{}); };
+concept HasFields = requires(T& t) {
+  t.Fields(AnyVisitor{});
+};
 
 template <class T>
 struct IsArray : std::false_type {};
@@ -98,6 +101,8 @@ void Write(const T& value, std::string& bytes) {
   } else if constexpr (IsArray<T>::value) {
     for (const auto& element : value) Write(element, bytes);
   } else {
+    static_assert(HasFields<T>,
+                  "Fields names numbers, Eigen vectors and matrices, arrays and structs of such");
     const_cast<T&>(value).Fields(
         [&](std::string_view, const auto& field, std::string_view) { Write(field, bytes); });
   }
@@ -141,6 +146,24 @@ void Numbers(const T& value, std::vector<double>& out) {
   } else {
     const_cast<T&>(value).Fields(
         [&](std::string_view, const auto& field, std::string_view) { Numbers(field, out); });
+  }
+}
+
+template <class T>
+std::size_t Count(const T& value) {
+  if constexpr (Number<T>) {
+    return 1;
+  } else if constexpr (Dense<T>) {
+    return static_cast<std::size_t>(value.size());
+  } else {
+    std::size_t n = 0;
+    if constexpr (IsArray<T>::value) {
+      for (const auto& element : value) n += Count(element);
+    } else {
+      const_cast<T&>(value).Fields(
+          [&](std::string_view, const auto& field, std::string_view) { n += Count(field); });
+    }
+    return n;
   }
 }
 
@@ -221,6 +244,8 @@ ValueType DescribeType() {
   if constexpr (requires { T::quantity; }) {
     type.name = T::quantity.name;
     type.unit = T::quantity.unit;
+  } else if constexpr (std::is_same_v<T, PerJoint>) {
+    type.name = "number per joint";
   } else {
     type.name = TypeName(typeid(T));
   }
@@ -252,6 +277,7 @@ ValueType DescribeType() {
       Columns(*static_cast<const T*>(v), space, "", unit, out);
     };
     type.store = [](const void* v, double* to) { return Store(*static_cast<const T*>(v), to); };
+    type.count = [](const void* v) { return Count(*static_cast<const T*>(v)); };
   } else if constexpr (std::equality_comparable<T>) {
     type.equal = [](const void* a, const void* b) {
       return *static_cast<const T*>(a) == *static_cast<const T*>(b);
@@ -274,15 +300,25 @@ struct SpaceOf {
   using type = Nothing;
 };
 template <class S>
-  requires requires { typename S::Space; }
+requires requires { typename S::Space; }
 struct SpaceOf<S> {
   using type = typename S::Space;
+};
+template <>
+struct SpaceOf<PerJoint> {
+  using type = Joints;
 };
 
 template <class S, class Sp>
 S ZeroOf(const Sp& space) {
   if constexpr (requires { S::Zero(space); }) {
     return S::Zero(space);
+  } else if constexpr (std::is_same_v<S, PerJoint>) {
+    return PerJoint::Zero(space.size());
+  } else if constexpr (Dense<S>) {
+    S zero;
+    zero.setZero();
+    return zero;
   } else {
     return S{};
   }

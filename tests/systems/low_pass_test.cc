@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include "pliant/systems/block_tester.h"
 #include "pliant/systems/constant.h"
 #include "pliant/systems/simulator.h"
+#include "pliant/tests/support/block_laws.h"
+#include "pliant/tests/support/error_of.h"
 
 namespace pliant {
 namespace {
@@ -25,6 +28,16 @@ TEST(LowPass, FollowsTheExactStepResponse) {
     EXPECT_NEAR(sim.Get(filter.y)(0), 1.0 * reached, 1e-12) << "t = " << t;  // round-off only
     EXPECT_NEAR(sim.Get(filter.y)(1), -2.0 * reached, 1e-12) << "t = " << t;
   }
+}
+
+TEST(LowPass, RefusesBadOptions) {
+  EXPECT_EQ(ErrorOf([] { BlockTester<LowPass<double>>({.cutoff_hz = -3, .period = 1ms}); }),
+            "block: cutoff_hz must be > 0, got -3");
+}
+
+TEST(LowPass, HoldsTheLaws) {
+  ExpectBlockLaws(
+      BlockTester<LowPass<JointVelocity>>({.space = kJoints, .cutoff_hz = 5, .period = 1ms}));
 }
 
 }  // namespace

@@ -1,0 +1,20 @@
+#pragma once
+
+#include "pliant/analysis/experiment.h"
+#include "pliant/plants/simbody_plant.h"
+
+namespace pliant {
+
+/// The figure on explicit compliance of Celerier et al. 2025 (EC-fig6): a Gen3 holds the pose of
+/// its tool stiffly while it is pushed at the elbow and at the tool. The same gains, three
+/// compliances: none (Γ = 0), in the null space (Γ₀ = I), everywhere (all Γ = I).
+struct NullSpaceComplianceOptions {
+  double duration_s = 6;
+  double push_N = 20;         ///< at the elbow and, later, at the tool
+  double observer_gain = 50;  ///< K_I [1/s]
+  SimbodyPlant::Engine engine = SimbodyPlant::Engine::Simbody;
+};
+
+Report NullSpaceCompliance(const NullSpaceComplianceOptions& options, const Progress& progress);
+
+}  // namespace pliant

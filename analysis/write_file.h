@@ -1,0 +1,35 @@
+#pragma once
+
+#include <filesystem>
+#include <string_view>
+
+namespace pliant::internal {
+
+/// A file that is written beside its place, as "<file>.part", and moved there when it is whole. An
+/// older file stays as it is until then, and nothing half-written stays at all.
+class PartFile {
+ public:
+  /// Throws Error, with the file and the reason, if it cannot be opened.
+  explicit PartFile(std::filesystem::path file);
+  ~PartFile();
+  PartFile(const PartFile&) = delete;
+  PartFile& operator=(const PartFile&) = delete;
+
+  int descriptor() const { return descriptor_; }
+  void Write(std::string_view bytes);
+  void MoveIntoPlace();
+
+ private:
+  [[noreturn]] void Throw(int reason) const;
+
+  const std::filesystem::path file_;
+  std::filesystem::path part_;
+  int descriptor_ = -1;
+};
+
+void WriteFile(const std::filesystem::path& file, std::string_view bytes);
+
+/// Makes the directory and those above it.
+void MakeDirectory(const std::filesystem::path& directory);
+
+}  // namespace pliant::internal
