@@ -271,7 +271,7 @@ void Script::Curves(const Panel& panel) {
             : (curve.draw == Curve::Draw::Steps ? "steps lw 1.8 dt " : "lines lw 1.8 dt ") +
                   std::to_string(dash % 4 + 1);
     const std::string look = " with " + style + " lc " + Rgb(colours[number % colours.size()]) +
-                             " title " + Quoted(curve.label);
+                             (curve.label.empty() ? " notitle" : " title " + Quoted(curve.label));
     const std::string block = internal::DataOf(curve);
     plots_ += ", \\\n  ";
     plots_ += block.empty() ? "keyentry" + look

@@ -14,7 +14,7 @@ enum class Side { Left, Right };
 struct Curve {
   enum class Draw { Line, Steps, Points };
 
-  std::string label;
+  std::string label;  ///< in the legend; empty: not there
   std::vector<double> x, y;
   Side side = Side::Left;
   Draw draw = Draw::Line;

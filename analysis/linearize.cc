@@ -1,5 +1,6 @@
 #include "pliant/analysis/linearize.h"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>

@@ -274,11 +274,12 @@ std::vector<Band> PushBands(const ComplianceLoop::Options& o) {
 
 /// The panels of EC-fig6: a column per compliance, the force in each.
 Figure Velocities(const std::vector<const Run*>& runs, const ComplianceLoop::Options& o) {
-  Figure figure{.name = "velocities",
-                .caption =
-                    "Norms of the tool's linear and angular velocity and of the joint velocity, "
-                    "and the pushes: at the elbow, then at the tool. A column per compliance.",
-                .columns = static_cast<int>(runs.size())};
+  Figure figure{
+      .name = "velocities",
+      .caption =
+          "Norms of the tool's linear and angular velocity and of the joint velocity, "
+          "and (orange) the pushes: at the elbow, then at the tool. A column per compliance.",
+      .columns = static_cast<int>(runs.size())};
   const auto add = [&](const Run& run, const std::string& title, const std::string& label,
                        const Eigen::VectorXd& norm, double top) {
     const std::vector<double> t = Vector(run.t);
@@ -287,8 +288,8 @@ Figure Velocities(const std::vector<const Run*>& runs, const ComplianceLoop::Opt
          .x = {.label = "time [s]"},
          .left = {.label = label, .from = 0, .to = top},
          .right = {.label = "force [N]", .from = 0, .to = 1.25 * run.force.maxCoeff()},
-         .curves = {{.label = "velocity", .x = t, .y = Vector(norm)},
-                    {.label = "force",
+         .curves = {{.label = "", .x = t, .y = Vector(norm)},
+                    {.label = "",
                      .x = t,
                      .y = Vector(run.force.colwise().sum().transpose()),
                      .side = Side::Right}},

@@ -8,11 +8,12 @@ namespace pliant {
 ///
 ///   τ̂_e = r + s/(K + s) τ_s,   τ_s = J_sᵀ F_s
 ///
-/// with the same K as the observer, so that the sum is τ_e where τ_s is. The high-pass is
-/// τ_s,k − l_k, with l filtered as the observer filters: from its first tick on, exact for a τ_s
-/// that changes evenly over a sample,
+/// with the same K as the observer. The high-pass is τ_s,k − l_k, with l filtered as the observer
+/// filters, from the first tick on,
 ///
 ///   l_k = e^{−K h} l_{k−1} + (1 − e^{−K h}) ½ (τ_s,k + τ_s,k−1),   l_0 = 0
+///
+/// so where τ_s = τ_e and changes evenly over each sample, the sum is τ_e exactly.
 ///
 /// Source: Celerier et al. 2025 (26).
 class ComplementaryFusion final : public Block {

@@ -1,6 +1,7 @@
 #include "pliant/plants/robot_dynamics.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Geometry>
 #include <cmath>
 #include <limits>
 

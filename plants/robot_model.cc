@@ -1,5 +1,6 @@
 #include "pliant/plants/robot_model.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <fstream>
 #include <iterator>

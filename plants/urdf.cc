@@ -3,6 +3,7 @@
 #include <console_bridge/console.h>
 #include <tinyxml.h>
 #include <urdf_parser/urdf_parser.h>
+#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cctype>

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <Eigen/Geometry>
 #include <array>
 #include <string_view>
 #include <type_traits>
@@ -144,10 +143,8 @@ struct Pose {
     f("rotation", rotation, "");
   }
 
-  Pose operator*(const Pose& X_BC) const {
-    return {position + rotation * X_BC.position, rotation * X_BC.rotation};
-  }
-  Pose inverse() const { return {-(rotation.transpose() * position), rotation.transpose()}; }
+  Pose operator*(const Pose& X_BC) const;
+  Pose inverse() const;
 };
 
 /// A force and a moment of the environment on a link, acting at a point; world axes.

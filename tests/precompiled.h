@@ -1,3 +1,5 @@
+#pragma once
+
 // What every test includes and no edit of pliant changes, parsed once.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -87,17 +87,17 @@ TEST(Diagram, IsDrawnForGraphviz) {
 TEST(Diagram, IsDrawnForMermaid) {
   EXPECT_EQ(MakeExample().Mermaid(),
             R"(flowchart LR
-b1["torque"]
-b2["one"]
-subgraph b3["smoothed"]
-  b4["gain"]
-  b5["filter"]
-  b6["loose"]
-end
-b7["integral"]
-b2 -- "y → u" --> b4
-b4 -- "y → u" --> b5
-b5 -- "y → u" --> b7
+  b1["torque"]
+  b2["one"]
+  subgraph b3["smoothed"]
+    b4["gain"]
+    b5["filter"]
+    b6["loose"]
+  end
+  b7["integral"]
+  b2 -- "y → u" --> b4
+  b4 -- "y → u" --> b5
+  b5 -- "y → u" --> b7
 )");
 }
 
@@ -117,7 +117,7 @@ TEST(Diagram, IsDrawnWithAWireForEachMemberOfAList) {
   b.Connect(two.y, list.all);
   b.Connect(one.y, list.all);
   const std::string picture = b.Build().Mermaid();
-  EXPECT_THAT(picture, HasSubstr("b2 -- \"y → all\" --> b3\nb1 -- \"y → all\" --> b3\n"));
+  EXPECT_THAT(picture, HasSubstr("  b2 -- \"y → all\" --> b3\n  b1 -- \"y → all\" --> b3\n"));
 }
 
 TEST(Diagram, WithoutBlocksIsEmpty) {
