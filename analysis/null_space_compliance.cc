@@ -370,9 +370,15 @@ Figure Limits(const Run& run, const RobotModel& model) {
 std::vector<Setting> Settings(const ComplianceLoop::Options& o,
                               const NullSpaceComplianceOptions& n) {
   const IntegratorOptions integrator;
+  std::string pushes;
+  for (const Push::Options& push : o.pushes)
+    pushes += (pushes.empty() ? "" : "; ") +
+              ("(" + Text(push.force.transpose()) + ") N at " + push.link + " from " +
+               Text(push.start_s) + " s for " + Text(push.duration_s) +
+               " s, raised-cosine edges of " + Text(push.edge_s) + " s");
   return {
-      {"robot", o.model.name() + ", reflected rotor inertia 0.40 and 0.22 kg·m², ideal torque "
-                                 "actuators and sensors, no friction"},
+      {"robot", o.model.name() + ", ideal torque actuators and sensors, no friction"},
+      {"rotor inertia", Text(o.rotor_inertia.transpose()) + " kg·m², reflected"},
       {"plant", n.engine == SimbodyPlant::Engine::Simbody ? "Simbody" : "recursive kernel"},
       {"controller", "one QP at " + o.period.text() + ": pose of " + o.tool + " " +
                          Text(o.pose_stiffness) + "/" + Text(o.pose_damping) + ", weight " +
@@ -382,9 +388,7 @@ std::vector<Setting> Settings(const ComplianceLoop::Options& o,
                      " 1/s, M = " + Text(o.damper.damping_ratio) +
                      ", d_s = " + Text(100 * o.damper.safety_distance) + " % of the range"},
       {"estimator", "momentum observer, K_I = " + Text(o.observer_gain) + " 1/s"},
-      {"pushes", Text(n.push_N) +
-                     " N along y at the elbow from 0.5 s, along −z at the tool from 3.5 s, "
-                     "1.5 s each, raised-cosine edges of 0.2 s"},
+      {"pushes", pushes},
       {"integrator", std::string(Name(integrator.method)) + ", tolerances " +
                          Text(integrator.relative_tolerance) + " relative, " +
                          Text(integrator.absolute_tolerance) + " absolute"},

@@ -112,12 +112,12 @@ Table ExtentsTable(const std::string& title, const std::string& unit,
 void WriteReport(const Report& report, const std::filesystem::path& directory) {
   Check(report);
   internal::MakeDirectory(directory);
-  // Needs no gnuplot, and the page needs the drawings.
-  internal::WriteFile(directory / "verdict.json", Verdict(report.claims));
+  // What can fail for other reasons than a full disk comes first.
   std::vector<std::string> drawings;
   for (const Figure& figure : report.figures)
     drawings.push_back(DrawFigure(figure, directory / "figures"));
   internal::WriteFile(directory / "report.html", internal::ReportPage(report, drawings));
+  internal::WriteFile(directory / "verdict.json", Verdict(report.claims));
 }
 
 }  // namespace pliant

@@ -31,9 +31,8 @@ int ListExperiments() {
   return 0;
 }
 
-int RunExperiment(const std::string& name, const std::filesystem::path& out, bool strict) {
-  const pliant::Experiment& experiment = pliant::FindExperiment(name);
-  std::filesystem::create_directories(out);
+int RunExperiment(const pliant::Experiment& experiment, const std::filesystem::path& out,
+                  bool strict) {
   const pliant::Report report = experiment.run(ProgressLine{});
   pliant::WriteReport(report, out);
   bool all = true;
@@ -58,10 +57,10 @@ int main(int argc, char** argv) {
       "on.\n"
       "Example: pliant experiment run null-space-compliance --out out");
 
-  CLI::App* experiment = app.add_subcommand("experiment", "Experiments of the papers, simulated");
-  experiment->require_subcommand(1);
-  CLI::App* list = experiment->add_subcommand("list", "Names them");
-  CLI::App* run = experiment->add_subcommand("run", "Runs one and writes its report");
+  CLI::App* experiments = app.add_subcommand("experiment", "Experiments of the papers, simulated");
+  experiments->require_subcommand(1);
+  CLI::App* list = experiments->add_subcommand("list", "Names them");
+  CLI::App* run = experiments->add_subcommand("run", "Runs one and writes its report");
   run->footer("Example: pliant experiment run null-space-compliance --out out");
   std::string name;
   std::filesystem::path out = "out";
@@ -76,17 +75,15 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& e) {
     return app.exit(e) == 0 ? 0 : 2;
   }
+  int on_error = 2;
   try {
     if (*list) return ListExperiments();
-    return RunExperiment(name, out, strict);
-  } catch (const pliant::Error& e) {
-    std::cerr << "pliant: " << e.what() << '\n';
-    return 2;
-  } catch (const std::filesystem::filesystem_error& e) {
-    std::cerr << "pliant: " << e.what() << '\n';
-    return 2;
+    const pliant::Experiment& experiment = pliant::FindExperiment(name);
+    std::filesystem::create_directories(out);
+    on_error = 3;
+    return RunExperiment(experiment, out, strict);
   } catch (const std::exception& e) {
     std::cerr << "pliant: " << e.what() << '\n';
-    return 3;
+    return on_error;
   }
 }

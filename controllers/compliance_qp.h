@@ -46,8 +46,8 @@ struct ComplianceQpReport {
 /// is strictly convex. Torque limits always hold. Where acceleration bounds contradict them or each
 /// other, the bounds give way before the tasks count: s is added,
 ///
-///   min Σ_k w_k ‖A_k q̈ʳ − b_k‖² + ρ ‖s‖²,   lower − s ≤ q̈ʳ ≤ upper + s,   ρ = 10⁴ tr Σ_k w_k A_kᵀ
-///   A_k
+///   min Σ_k w_k ‖A_k q̈ʳ − b_k‖² + ρ ‖s‖²,   lower − s ≤ q̈ʳ ≤ upper + s
+///   ρ = 10⁴ tr Σ_k w_k A_kᵀ A_k
 ///
 /// Without any solution the arm gets g − d q̇ inside the torque limits (zero where that is no
 /// number). Both are reported.

@@ -9,8 +9,9 @@ namespace pliant {
 /// the distance to a limit (e = q⁺ − q above, q − q⁻ below), d_s the safety distance and ė_min =
 /// −q̇⁺:
 ///
-///   ë ≥ max(ë_p, ë_v),   ë_p = −λ ė − λ²/(4M²) (e − d_s),   ë_v = −λ (ė − ė_min)      (EC 19, 23,
-///   24)
+///   ë ≥ max(ë_p, ë_v)                            (EC 19)
+///   ë_p = −λ ė − λ²/(4M²) (e − d_s)              (EC 23)
+///   ë_v = −λ (ė − ė_min)                         (EC 24)
 ///
 /// M > 1 makes the approach overdamped: a joint that sets out at rest and keeps to its bounds comes
 /// up to e = d_s and q̇⁺ and passes neither, also when sampled and held every h ≤ 1/λ. Continuous

@@ -9,13 +9,15 @@
 
 namespace pliant {
 
-/// How far x and its multipliers are from the optimality conditions of Karush, Kuhn and Tucker, each
-/// relative to the numbers it is computed from, where x counts as no less than max |g_i| / H_ii. For a strictly convex problem these are sufficient:
-/// all three zero proves that x is the solution, however it was found.
+/// How far x and its multipliers are from the optimality conditions of Karush, Kuhn and Tucker,
+/// each relative to the numbers it is computed from, where x counts as no less than max |g_i| /
+/// H_ii. For a strictly convex problem these are sufficient: all three zero proves that x is the
+/// solution, however it was found.
 struct KktResidual {
-  double stationarity = 0;     ///< H x + g − Aᵀ λ − μ
-  double primal = 0;           ///< largest violation of a limit
-  double complementarity = 0;  ///< distance from the limit that a multiplier, by its sign, pushes from
+  double stationarity = 0;  ///< H x + g − Aᵀ λ − μ
+  double primal = 0;        ///< largest violation of a limit
+  double complementarity =
+      0;  ///< distance from the limit that a multiplier, by its sign, pushes from
 
   double max() const { return std::max({stationarity, primal, complementarity}); }
 };
@@ -59,10 +61,8 @@ inline KktResidual Kkt(const QpProblem& qp, const QpSolution& solution) {
       const Real from = reach * largest + std::abs(bound);
       return from > 0 ? static_cast<double>(distance / from) : 0.0;
     };
-    if (value < lower)
-      residual.primal = std::max(residual.primal, relative(lower - value, lower));
-    if (value > upper)
-      residual.primal = std::max(residual.primal, relative(value - upper, upper));
+    if (value < lower) residual.primal = std::max(residual.primal, relative(lower - value, lower));
+    if (value > upper) residual.primal = std::max(residual.primal, relative(value - upper, upper));
     if (multiplier == 0) return;
     const Real bound = multiplier > 0 ? lower : upper;
     residual.complementarity =
@@ -70,8 +70,7 @@ inline KktResidual Kkt(const QpProblem& qp, const QpSolution& solution) {
                  std::isfinite(bound) ? relative(std::abs(value - bound), bound) : HUGE_VAL);
   };
   const Vector values = A * x;
-  for (int i = 0; i < qp.variables(); ++i)
-    check(x(i), 1, qp.x_lower(i), qp.x_upper(i), mu(i));
+  for (int i = 0; i < qp.variables(); ++i) check(x(i), 1, qp.x_lower(i), qp.x_upper(i), mu(i));
   for (int i = 0; i < qp.rows(); ++i)
     check(values(i), A.row(i).cwiseAbs().sum(), qp.lower(i), qp.upper(i), lambda(i));
   return residual;

@@ -17,11 +17,11 @@ constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
 // A limit holds if it is violated by less than this part of the numbers it is computed from.
 constexpr double kFeasibility = 1e-12;
-// A normal depends on others if less than this part of the numbers it is computed from remains; it may
-// if less than kSuspicious of its length in the norm of H⁻¹ does.
-constexpr double kDependence = 1e3 * kEpsilon;
+// Numbers computed from the problem by a few sums are zero below this part of what they are made
+// of.
+constexpr double kRoundOff = 1e3 * kEpsilon;
+// A normal may depend on others if less than this part of its length, in the norm of H⁻¹, remains.
 constexpr double kSuspicious = 1e-4;
-
 // A part of a normal that is less than this part of it is round-off.
 constexpr double kNegligible = 1e-12;
 
@@ -67,9 +67,8 @@ using Constant = std::integral_constant<int, k>;
 
 template <int kCount, class F>
 [[gnu::always_inline]] inline void Unroll(F&& f) {
-  [&]<int... k>(std::integer_sequence<int, k...>) {
-    (f(Constant<k>{}), ...);
-  }(std::make_integer_sequence<int, kCount>{});
+  [&]<int... k>(std::integer_sequence<int, k...>) { (f(Constant<k>{}), ...); }
+  (std::make_integer_sequence<int, kCount>{});
 }
 
 // The method for up to N variables, N a multiple of 8; for exactly kVariables if that is not 0.
@@ -163,7 +162,8 @@ class DualActiveSet {
       Unroll<kVariables / 2>([&](auto pair) {
         constexpr int j = 2 * pair;
         eliminate_two(Constant<j>{});
-        Unroll<kVariables - 2 - j>([&](auto k) { clear_two(Constant<j>{}, Constant<j + 2 + k>{}); });
+        Unroll<kVariables - 2 - j>(
+            [&](auto k) { clear_two(Constant<j>{}, Constant<j + 2 + k>{}); });
       });
     } else {
       for (int j = 0; j + 1 < n(); j += 2) {
@@ -183,8 +183,12 @@ class DualActiveSet {
 
   // --- limits: bounds, then rows ---
 
-  double Lower(int limit) const { return limit < n() ? qp_.x_lower(limit) : qp_.lower(limit - n()); }
-  double Upper(int limit) const { return limit < n() ? qp_.x_upper(limit) : qp_.upper(limit - n()); }
+  double Lower(int limit) const {
+    return limit < n() ? qp_.x_lower(limit) : qp_.lower(limit - n());
+  }
+  double Upper(int limit) const {
+    return limit < n() ? qp_.x_upper(limit) : qp_.upper(limit - n());
+  }
 
   QpLimit Named(int limit, double sign) const {
     return {.kind = limit < n() ? QpLimit::Kind::Bound : QpLimit::Kind::Row,
@@ -243,28 +247,26 @@ class DualActiveSet {
   // Violation of a measured limit that can be round-off.
   double Tolerance(int limit) const { return kFeasibility * w_.size[limit] * largest_x_; }
 
-  // Whether a normal depends on the working set: r = R⁻¹ d₁, rest = ‖d₂‖². Where d₂ is so short that
-  // round-off could make it, e = a − Σ r_k a_k decides, which no weight in H distorts; r and d₂ are
-  // then made anew from e.
+  // Whether a normal depends on the working set: r = R⁻¹ d₁, rest = ‖d₂‖². Where d₂ is so short
+  // that round-off could make it, e = a − Σ r_k a_k decides, which no weight in H distorts; r and
+  // d₂ are then made anew from e.
   bool Depends(int limit, double sign, double* d, double whole, double& rest) {
-    if (count_ == n()) return true;
-    if (rest > kSuspicious * kSuspicious * whole) return false;
+    const bool full = count_ == n();
+    if (!full && rest > kSuspicious * kSuspicious * whole) return false;
     double* const r = w_.r.data();
     double* const e = w_.remainder.data();
     double* const correction = w_.z.data();
-    double size = Remainder(limit, sign, r, e);
-    for (int pass = 0; pass < 2; ++pass) {
-      for (int k = 0; k < n(); ++k) correction[k] = Dot(w_.J.data() + k * N, e, 0, N);
-      for (int k = n(); k < N; ++k) correction[k] = 0;
-      if (!formed_)
-        for (int k = 0; k < count_; ++k) Reflect(k, correction);
-      std::copy(correction + count_, correction + N, d + count_);
-      SolveR(correction);
-      for (int k = 0; k < count_; ++k) r[k] += correction[k];
-      size = Remainder(limit, sign, r, e);
-    }
+    Remainder(limit, sign, r, e);
+    for (int k = 0; k < n(); ++k) correction[k] = Dot(w_.J.data() + k * N, e, 0, N);
+    for (int k = n(); k < N; ++k) correction[k] = 0;
+    if (!formed_)
+      for (int k = 0; k < count_; ++k) Reflect(k, correction);
+    std::copy(correction + count_, correction + N, d + count_);
+    SolveR(correction);
+    for (int k = 0; k < count_; ++k) r[k] += correction[k];
+    const double size = Remainder(limit, sign, r, e);
     rest = Tail(d);
-    return !(Largest(e) > kDependence * size) || rest == 0;
+    return full || rest == 0 || !(Largest(e) > kRoundOff * size);
   }
 
   double Largest(const double* a) const {
@@ -303,7 +305,8 @@ class DualActiveSet {
     w_.multiplier[to] = w_.multiplier[from];
   }
 
-  // --- the start: the minimum on the equalities and the proposed limits with positive multipliers ---
+  // --- the start: the minimum on the equalities and the proposed limits with positive multipliers
+  // ---
 
   QpStatus Start(const QpLimits& proposed, QpSolution& solution) {
     std::fill_n(w_.active.data(), n() + m_, false);
@@ -516,8 +519,8 @@ class DualActiveSet {
 
   // --- the dual method ---
 
-  // Raises the multiplier of entering_ until its limit holds; limits whose multipliers reach zero on
-  // the way leave. x is then again the minimum on the working set.
+  // Raises the multiplier of entering_ until its limit holds; limits whose multipliers reach zero
+  // on the way leave. x is then again the minimum on the working set.
   QpStatus Enter(QpSolution& solution) {
     const int p = entering_;
     const double bound = sign_ > 0 ? Lower(p) : Upper(p);
@@ -545,13 +548,8 @@ class DualActiveSet {
       }
       bool enters = false;
       if (depends) {
-        double slack = Tolerance(p);
-        for (int k = 0; k < count_; ++k) {
-          Measure(w_.limit[k]);
-          slack += std::abs(r[k]) * Tolerance(w_.limit[k]);
-        }
-        if (violation_ <= slack) {
-          w_.slack[p] = slack;
+        if (!Contradicts(sign_ * bound)) {
+          w_.slack[p] = 2 * violation_;
           return QpStatus::Solved;
         }
         if (leaving < 0) {
@@ -581,6 +579,17 @@ class DualActiveSet {
       Drop(leaving);
     }
     return QpStatus::IterationLimit;
+  }
+
+  // Whether a limit with a = Σ r_k a_k asks for more than the working set gives, b > Σ r_k b_k, and
+  // not by round-off in x or r only.
+  bool Contradicts(double bound) const {
+    double gap = bound, size = std::abs(bound);
+    for (int k = 0; k < count_; ++k) {
+      gap -= w_.r[k] * w_.bound[k];
+      size += std::abs(w_.r[k] * w_.bound[k]);
+    }
+    return gap > kRoundOff * size + n() * Largest(w_.remainder.data()) * largest_x_;
   }
 
   // Whether limit k of the working set has a part in a = Σ r_k a_k that is more than round-off.

@@ -4,7 +4,6 @@
 #include <array>
 #include <cstdint>
 #include <initializer_list>
-#include <span>
 
 namespace pliant {
 
@@ -58,13 +57,16 @@ struct QpLimit {
 /// Limits in a row: those a solution touches, or those that contradict each other.
 class QpLimits {
  public:
+  using value_type = QpLimit;
+  using const_iterator = const QpLimit*;
+
   QpLimits() = default;
   QpLimits(std::initializer_list<QpLimit> limits);
 
   int size() const { return size_; }
   bool empty() const { return size_ == 0; }
-  const QpLimit* begin() const { return limits_.data(); }
-  const QpLimit* end() const { return limits_.data() + size_; }
+  const_iterator begin() const { return limits_.data(); }
+  const_iterator end() const { return limits_.data() + size_; }
   const QpLimit& operator[](int i) const { return limits_[static_cast<std::size_t>(i)]; }
 
   void clear();
@@ -95,9 +97,10 @@ enum class QpStatus : std::uint8_t {
 ///
 ///   H x + g = Aᵀ λ + μ,   λ_i ≥ 0 at a lower limit, ≤ 0 at an upper one, 0 elsewhere
 ///
-/// If the problem is infeasible they are Farkas' proof of it: Aᵀ λ + μ = 0, while the limits ask for
-/// (Aᵀ λ + μ)ᵀ x > 0. Where a single limit has lower > upper, its two sides are the conflict and the
-/// multipliers are zero. Without a solution x is the last iterate, or zero if there was none.
+/// If the problem is infeasible they are Farkas' proof of it: Aᵀ λ + μ = 0, while the limits ask
+/// for (Aᵀ λ + μ)ᵀ x > 0. Where a single limit has lower > upper, its two sides are the conflict
+/// and the multipliers are zero. Without a solution x is the last iterate, or zero if there was
+/// none.
 struct QpSolution {
   QpStatus status = QpStatus::InvalidData;
   int iterations = 0;  ///< limits that entered or left after the start
@@ -127,13 +130,13 @@ struct QpWorkspace {
   std::array<bool, kLimits> active{};
 };
 
-/// Solves by the dual active-set method: from the minimum subject to the limits in `active` (those of
-/// an earlier, similar problem, or none), one violated limit enters at a time, and limits whose
-/// multipliers would change sign leave. `active` is overwritten by the limits at the end. No heap, no
-/// exceptions; equal arguments give equal bits.
+/// Solves by the dual active-set method: from the minimum subject to the limits in `active` (those
+/// of an earlier, similar problem, or none), one violated limit enters at a time, and limits whose
+/// multipliers would change sign leave. `active` is overwritten by the limits at the end. No heap,
+/// no exceptions; equal arguments give equal bits.
 ///
-/// Source: Goldfarb & Idnani, A numerically stable dual method for solving strictly convex quadratic
-/// programs, Mathematical Programming 27 (1983), with L D Lᵀ and Householder factors.
+/// Source: Goldfarb & Idnani, A numerically stable dual method for solving strictly convex
+/// quadratic programs, Mathematical Programming 27 (1983), with L D Lᵀ and Householder factors.
 QpStatus Solve(const QpProblem& problem, QpWorkspace& workspace, QpLimits& active,
                QpSolution& solution, const QpOptions& options = {});
 

@@ -1,5 +1,7 @@
 #include "pliant/plants/model_file.h"
 
+#include <dlfcn.h>
+
 #include <cstdlib>
 #include <string>
 #include <system_error>
@@ -16,10 +18,10 @@ fs::path ModelFile(std::string_view name) {
   if (const char* chosen = std::getenv("PLIANT_MODELS")) {
     folders.emplace_back(chosen);
   } else {
-    std::error_code none;
-    const fs::path program = fs::read_symlink("/proc/self/exe", none);
-    if (!none) folders.push_back(program.parent_path().parent_path() / "share/pliant/models");
-    folders.emplace_back(PLIANT_MODELS_INSTALLED);
+    Dl_info library;
+    if (dladdr(reinterpret_cast<const void*>(&ModelFile), &library) && library.dli_fname)
+      folders.push_back(fs::path(library.dli_fname).parent_path().parent_path() /
+                        "share/pliant/models");
     folders.emplace_back(PLIANT_MODELS_SOURCE);
   }
   std::string looked;

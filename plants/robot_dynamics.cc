@@ -97,7 +97,7 @@ void WriteFrame(const RobotModel& model, const RobotDynamics& d, const Link& lin
   frame.J.setZero(6, model.size());
   for (int i = link.body; i >= 0; i = bodies[At(i)].parent) {
     const Vector3d z = d.body[At(i)].rotation.col(2);
-    auto column = frame.J.col(bodies[At(i)].joint);
+    Jacobian::ColXpr column = frame.J.col(bodies[At(i)].joint);
     if (bodies[At(i)].revolute) {
       column.head<3>() = z;
       column.tail<3>() = z.cross(frame.pose.position - d.body[At(i)].position);
@@ -202,6 +202,10 @@ JointTorque ExternalTorque(const RobotModel& model, const RobotDynamics& d,
   JointTorque tau_e = JointTorque::Zero(model.joints());
   for (const ContactForce& F : forces) {
     if (F.link < 0) continue;
+    if (F.link >= static_cast<int>(model.links().size())) {
+      tau_e.setConstant(std::numeric_limits<double>::quiet_NaN());
+      return tau_e;
+    }
     const Pose X_WL = LinkPose(model, d, F.link);
     const Vector3d point = X_WL.position + X_WL.rotation * F.point;
     for (int i = model.link(F.link).body; i >= 0; i = bodies[At(i)].parent) {

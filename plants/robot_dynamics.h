@@ -131,7 +131,8 @@ JointAcceleration ForwardDynamics(const RobotDynamics& d, const JointTorque& tau
 /// τ = M v̇ + C v + g.
 JointTorque InverseDynamics(const RobotDynamics& d, const JointAcceleration& vdot);
 
-/// τ_e = Σ Jᵀ F, of the forces of the environment on the links. Forces without a link are skipped.
+/// τ_e = Σ Jᵀ F, of the forces of the environment on the links. Forces without a link (−1) are
+/// skipped; a link the model does not have makes it NaN.
 JointTorque ExternalTorque(const RobotModel& model, const RobotDynamics& d,
                            std::span<const ContactForce> forces);
 

@@ -139,6 +139,8 @@ JointAcceleration SimbodyArm::ForwardDynamics(const JointPosition& q, const Join
   }
   for (const ContactForce& F : forces) {
     if (F.link < 0) continue;
+    if (F.link >= static_cast<int>(model_.links().size()))
+      return PerJoint::Constant(n, std::numeric_limits<double>::quiet_NaN());
     const Link& link = model_.link(F.link);
     if (link.body < 0) continue;
     const Vector3d point = link.pose.position + link.pose.rotation * F.point;

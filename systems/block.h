@@ -156,6 +156,10 @@ class [[nodiscard]] RuleAs<std::tuple<T...>, std::tuple<V...>> {
   void As(F f) &&;
 
  private:
+  template <class F, bool kReturns, bool kFresh>
+  static void Run(const void* function, const Block* self, std::byte* arena,
+                  const std::uint32_t* slots);
+
   Block* block_;
   Rule rule_;
 };
@@ -336,6 +340,41 @@ auto RuleFrom<T...>::From(const V&... values) && {
 }
 
 template <class... T, class... V>
+template <class F, bool kReturns, bool kFresh>
+void RuleAs<std::tuple<T...>, std::tuple<V...>>::Run(const void* function, const Block* self,
+                                                     std::byte* arena, const std::uint32_t* slots) {
+  [&]<std::size_t... t, std::size_t... v>(std::index_sequence<t...>, std::index_sequence<v...>) {
+    constexpr std::size_t n = sizeof...(T);
+    if constexpr (n == 0) {
+      Call<F>(function, self, Argument<V>::Get(arena, slots, v)...);
+    } else if constexpr (kReturns) {
+      using R = std::remove_cvref_t<decltype(Call<F>(function, self,
+                                                     Argument<V>::Get(arena, slots, v)...))>;
+      if constexpr (n == 1) {
+        using T0 = std::tuple_element_t<0, std::tuple<T...>>;
+        static_assert(std::is_convertible_v<R, T0>, "a rule returns the quantity it rules");
+        static_assert(!IsExpression<R>, "a rule returns a value: give the Eigen expression a type");
+        if constexpr (kFresh && std::is_same_v<R, T0> && std::is_trivially_destructible_v<T0>) {
+          new (arena + slots[0])
+              T0(Call<F>(function, self, Argument<V>::Get(arena, slots + n, v)...));
+        } else {
+          At<T0>(arena, slots[0]) =
+              Call<F>(function, self, Argument<V>::Get(arena, slots + n, v)...);
+        }
+      } else {
+        static_assert(std::is_convertible_v<R, std::tuple<T...>>,
+                      "a rule of several values returns a std::tuple of them");
+        std::tie(At<T>(arena, slots[t])...) =
+            Call<F>(function, self, Argument<V>::Get(arena, slots + n, v)...);
+      }
+    } else {
+      Call<F>(function, self, At<T>(arena, slots[t])..., Argument<V>::Get(arena, slots + n, v)...);
+    }
+  }
+  (std::index_sequence_for<T...>{}, std::index_sequence_for<V...>{});
+}
+
+template <class... T, class... V>
 template <class F>
 void RuleAs<std::tuple<T...>, std::tuple<V...>>::As(F f) && {
   constexpr bool kReturns = Callable<F, typename Argument<V>::type...>();
@@ -351,36 +390,10 @@ void RuleAs<std::tuple<T...>, std::tuple<V...>>::As(F f) && {
   if constexpr (kReturns || kWrites) {
     rule_.function = std::make_shared<const F>(std::move(f));
     if (std::is_trivially_copyable_v<F>) rule_.function_size = sizeof(F);
-    rule_.run = [](const void* function, const Block* self, std::byte* arena,
-                   const std::uint32_t* slots) {
-      [&]<std::size_t... t, std::size_t... v>(std::index_sequence<t...>,
-                                              std::index_sequence<v...>) {
-        constexpr std::size_t n = sizeof...(T);
-        if constexpr (n == 0) {
-          Call<F>(function, self, Argument<V>::Get(arena, slots, v)...);
-        } else if constexpr (kReturns) {
-          using R = std::remove_cvref_t<decltype(Call<F>(function, self,
-                                                         Argument<V>::Get(arena, slots, v)...))>;
-          if constexpr (n == 1) {
-            using T0 = std::tuple_element_t<0, std::tuple<T...>>;
-            static_assert(std::is_convertible_v<R, T0>, "a rule returns the quantity it rules");
-            static_assert(!IsExpression<R>,
-                          "a rule returns a value: give the Eigen expression a type");
-            At<T0>(arena, slots[0]) =
-                Call<F>(function, self, Argument<V>::Get(arena, slots + n, v)...);
-          } else {
-            static_assert(std::is_convertible_v<R, std::tuple<T...>>,
-                          "a rule of several values returns a std::tuple of them");
-            std::tie(At<T>(arena, slots[t])...) =
-                Call<F>(function, self, Argument<V>::Get(arena, slots + n, v)...);
-          }
-        } else {
-          Call<F>(function, self, At<T>(arena, slots[t])...,
-                  Argument<V>::Get(arena, slots + n, v)...);
-        }
-      }
-      (std::index_sequence_for<T...>{}, std::index_sequence_for<V...>{});
-    };
+    // A computed value does not read itself, so its rule may build the new value where the old one
+    // is.
+    const bool fresh = rule_.kind == RuleKind::Compute || rule_.kind == RuleKind::Derivative;
+    rule_.run = fresh ? &Run<F, kReturns, true> : &Run<F, kReturns, false>;
     block_->rules_.push_back(std::move(rule_));
   }
 }

@@ -88,7 +88,9 @@ void Simulator::AdvanceTo(double t) {
 
 void Simulator::AdvanceThroughTick() {
   Require(!plan_.rates.empty(), "nothing ticks: no rule of the diagram has Every(period)");
-  AdvanceTo(Seconds(context_.line_.due[NextRate()]));
+  const double next = Seconds(context_.line_.due[NextRate()]);
+  Require(next < 9e9, "nothing ticks any more", time());
+  AdvanceTo(next);
   while (guard_ >= 0 && time() == hi_) Fire(static_cast<std::size_t>(guard_));
   Tick();
 }
@@ -339,6 +341,7 @@ Context Simulator::Snapshot() {
 void Simulator::Restore(const Context& snapshot) {
   context_ = snapshot;
   lo_ = hi_ = time();
+  if (!context_.line_.started) Start();  // a new context: from the very beginning
   Settle();
 }
 

@@ -138,10 +138,9 @@ class SundialsIntegrator : public Integrator {
             t_stop);
     if (t_stop == t_ || SameTime(t_, t_stop)) {
       steps_since_event_ = 0;
-      if (t_stop > t_) {
-        std::ranges::copy(Values(y_.get()), begin_.begin());
-        t_begin_ = t_ = t_stop;
-      }
+      std::ranges::copy(Values(y_.get()), begin_.begin());
+      t_begin_ = std::exchange(t_, t_stop);
+      stands_ = true;
       return t_;
     }
     if (steps_since_event_ == options_.max_steps_between_events)
@@ -151,6 +150,7 @@ class SundialsIntegrator : public Integrator {
 
     std::ranges::copy(Values(y_.get()), begin_.begin());
     t_begin_ = t_;
+    stands_ = false;
     const long rejected_before = ErrorTestFailures();
     const int flag = Advance(t_stop);
     statistics_.rejected_steps += ErrorTestFailures() - rejected_before;
@@ -165,7 +165,7 @@ class SundialsIntegrator : public Integrator {
     Require(t_begin_ <= t && t <= t_, "t must lie within the last step", t);
     if (t == t_)
       std::ranges::copy(Values(y_.get()), y.begin());
-    else if (t == t_begin_)
+    else if (t == t_begin_ || stands_)
       std::ranges::copy(begin_, y.begin());
     else
       InterpolateInside(t, y);
@@ -197,6 +197,7 @@ class SundialsIntegrator : public Integrator {
   double t_begin_ = 0, t_ = 0;
   Vector y_;                             // at t_; holds stages during a step
   std::vector<double> begin_;            // y at t_begin_
+  bool stands_ = false;                  // the last step took no time: y is begin_ all along
   std::span<const double> last_rate_{};  // what the last call of f gave
 
  private:

@@ -13,3 +13,6 @@ pliant_test(plants/simbody_and_sundials_test.cc
             LIBRARIES pliant::plants SUNDIALS::arkode_static SUNDIALS::nvecserial_static)
 # Symbols of the archives stay inside the program, or Simbody would find this SUNDIALS for its own.
 target_link_options(plants_simbody_and_sundials_test PRIVATE LINKER:--exclude-libs,ALL)
+
+pliant_test(plants/push_test.cc LIBRARIES pliant::plants)
+pliant_test(plants/simbody_plant_test.cc LIBRARIES pliant::plants)

@@ -1,8 +1,6 @@
 # Tests of the repository as a whole: its layers, its style, its documents, what must not compile, and
 # the installed library.
 
-find_package(Python3 REQUIRED COMPONENTS Interpreter)
-
 # repository_test(NAME ARGUMENT…): runs repository/NAME_test.py.
 function(repository_test name)
   add_test(NAME repository/${name}

@@ -166,7 +166,7 @@ TEST_F(WriteReportTest, AFileInTheWayIsNamed) {
 
 TEST_F(WriteReportTest, ADirectoryThatCannotBeWrittenIsNamed) {
   EXPECT_EQ(ErrorOf([] { WriteReport(Sample(), "/proc"); }),
-            "cannot write /proc/verdict.json: No such file or directory");
+            "cannot make the directory /proc/figures: No such file or directory");
 }
 
 TEST_F(WriteReportTest, AFullDiskLeavesTheOlderFile) {

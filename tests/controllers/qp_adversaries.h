@@ -9,8 +9,8 @@
 
 namespace pliant {
 
-/// Problems on which dual methods are known to fail: degenerate, dependent, barely infeasible, badly
-/// scaled. With small integers as data they are degenerate exactly, not but for round-off.
+/// Problems on which dual methods are known to fail: degenerate, dependent, barely infeasible,
+/// badly scaled. With small integers as data they are degenerate exactly, not but for round-off.
 enum class Adversary {
   Random,                  ///< limits of all kinds, often infeasible
   DuplicateRows,           ///< each row three times, once with the other sign
@@ -28,11 +28,18 @@ enum class Adversary {
 inline constexpr int kAdversaries = 12;
 
 inline constexpr std::string_view Name(Adversary kind) {
-  constexpr std::string_view names[kAdversaries] = {
-      "Random",           "DuplicateRows",       "ZeroWidthBounds",
-      "ParallelRows",     "VertexOfTwentyRows",  "DependentEqualities",
-      "InconsistentEqualities", "ZeroRows",      "BarelyInfeasible",
-      "BarelyFeasible",   "HeavyWeights",        "PointOfManyEqualities"};
+  constexpr std::string_view names[kAdversaries] = {"Random",
+                                                    "DuplicateRows",
+                                                    "ZeroWidthBounds",
+                                                    "ParallelRows",
+                                                    "VertexOfTwentyRows",
+                                                    "DependentEqualities",
+                                                    "InconsistentEqualities",
+                                                    "ZeroRows",
+                                                    "BarelyInfeasible",
+                                                    "BarelyFeasible",
+                                                    "HeavyWeights",
+                                                    "PointOfManyEqualities"};
   return names[static_cast<int>(kind)];
 }
 
@@ -44,18 +51,30 @@ class AdversaryMaker {
   QpProblem Make(Adversary kind, int n, bool integers) {
     integers_ = integers;
     switch (kind) {
-      case Adversary::Random: return Random(n, Whole(0, 2 * n));
-      case Adversary::DuplicateRows: return DuplicateRows(n);
-      case Adversary::ZeroWidthBounds: return ZeroWidthBounds(n);
-      case Adversary::ParallelRows: return ParallelRows(n);
-      case Adversary::VertexOfTwentyRows: return Vertex(n);
-      case Adversary::DependentEqualities: return Equalities(n, 0);
-      case Adversary::InconsistentEqualities: return Equalities(n, 1.0 / 1024);
-      case Adversary::ZeroRows: return ZeroRows(n);
-      case Adversary::BarelyInfeasible: return Barely(n, 0x1p-20);
-      case Adversary::BarelyFeasible: return Barely(n, -0x1p-20);
-      case Adversary::HeavyWeights: return HeavyWeights(n);
-      case Adversary::PointOfManyEqualities: return Point(n);
+      case Adversary::Random:
+        return Random(n, Whole(0, 2 * n));
+      case Adversary::DuplicateRows:
+        return DuplicateRows(n);
+      case Adversary::ZeroWidthBounds:
+        return ZeroWidthBounds(n);
+      case Adversary::ParallelRows:
+        return ParallelRows(n);
+      case Adversary::VertexOfTwentyRows:
+        return Vertex(n);
+      case Adversary::DependentEqualities:
+        return Equalities(n, 0);
+      case Adversary::InconsistentEqualities:
+        return Equalities(n, 1.0 / 1024);
+      case Adversary::ZeroRows:
+        return ZeroRows(n);
+      case Adversary::BarelyInfeasible:
+        return Barely(n, 0x1p-20);
+      case Adversary::BarelyFeasible:
+        return Barely(n, -0x1p-20);
+      case Adversary::HeavyWeights:
+        return HeavyWeights(n);
+      case Adversary::PointOfManyEqualities:
+        return Point(n);
     }
     return {n, 0};
   }
@@ -184,8 +203,7 @@ class AdversaryMaker {
     const Vector point = Numbers(n, 1, 3);
     qp.lower = qp.A * point;
     qp.upper.tail(n) = qp.lower.tail(n);
-    for (int i = 0; i < n; ++i)
-      (Whole(0, 1) == 0 ? qp.x_lower(i) : qp.x_upper(i)) = point(i);
+    for (int i = 0; i < n; ++i) (Whole(0, 1) == 0 ? qp.x_lower(i) : qp.x_upper(i)) = point(i);
     return qp;
   }
 

@@ -37,10 +37,10 @@ inline Eigen::Vector<long double, Eigen::Dynamic> ReferenceSolution(const QpProb
 }
 
 /// ‖x − reference‖_∞ / ‖reference‖_∞
-inline double RelativeError(const QpProblem& qp, const QpLimits& active, const QpSolution& solution) {
+inline double RelativeError(const QpProblem& qp, const QpLimits& active,
+                            const QpSolution& solution) {
   const Eigen::Vector<long double, Eigen::Dynamic> reference = ReferenceSolution(qp, active);
-  const long double error =
-      (solution.x.cast<long double>() - reference).cwiseAbs().maxCoeff();
+  const long double error = (solution.x.cast<long double>() - reference).cwiseAbs().maxCoeff();
   return static_cast<double>(error / std::max(reference.cwiseAbs().maxCoeff(), 1e-30L));
 }
 

@@ -120,7 +120,8 @@ class ArmQpSequence {
       const Joint row = Jc.bottomRows<3>().transpose() * normal_[c];
       const double distance = normal_[c].dot(tip[on_link_[c]]) + offset_[c] - options_.crowding;
       qp.A.row(kJoints + c) = row;
-      qp.lower(kJoints + c) = std::min(-40 * std::max(distance, -0.02) - 12 * row.dot(v), options_.braking);
+      qp.lower(kJoints + c) =
+          std::min(-40 * std::max(distance, -0.02) - 12 * row.dot(v), options_.braking);
     }
   }
 
@@ -141,8 +142,8 @@ class ArmQpSequence {
   std::vector<double> offset_;
 };
 
-/// A free arm (0 to 3 limits active), one among limits (mostly 1 to 4), one among more rows, and one
-/// whose torques cannot do what its dampers ask for on a fifth of the ticks.
+/// A free arm (0 to 3 limits active), one among limits (mostly 1 to 4), one among more rows, and
+/// one whose torques cannot do what its dampers ask for on a fifth of the ticks.
 inline const ArmQpSequence::Options kFreeArm{};
 inline const ArmQpSequence::Options kLimitedArm{
     .collision_rows = 10, .torque_scale = 0.5, .braking = 8, .crowding = 0.25};
@@ -151,8 +152,8 @@ inline const ArmQpSequence::Options kCrowdedArm{
 inline const ArmQpSequence::Options kOverloadedArm{
     .collision_rows = 10, .torque_scale = 0.3, .braking = 16, .crowding = 0.41};
 
-/// Problems of a whole body that moves smoothly: tasks J_k(t) with weights 1e4 : 1, equality rows (the
-/// dynamics and the contacts), other rows, bounds.
+/// Problems of a whole body that moves smoothly: tasks J_k(t) with weights 1e4 : 1, equality rows
+/// (the dynamics and the contacts), other rows, bounds.
 class BodyQpSequence {
  public:
   struct Options {

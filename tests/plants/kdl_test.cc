@@ -1,8 +1,8 @@
 // The recursive kernel and Simbody against Orocos KDL, which reads the same URDF by itself.
 
-#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 #include <urdf_parser/urdf_parser.h>
+#include <Eigen/Geometry>
 
 #include <Eigen/Cholesky>
 #include <fstream>

@@ -144,7 +144,7 @@ TEST(Snapshot, IsRefusedWhenItIsCutOffOrDamaged) {
   sim.Save(file);
   const Context before = sim.Snapshot();
   const std::string whole = Contents(file);
-  for (std::size_t n = 0; n < whole.size(); ++n) {
+  for (std::size_t n = 0; n < whole.size(); n += 5) {
     std::ofstream(file, std::ios::binary) << whole.substr(0, n);
     ASSERT_THAT(ErrorOf([&] { sim.Restore(file); }), HasSubstr("cannot restore from")) << n;
     std::string flipped = whole;

@@ -1,0 +1,2 @@
+pliant_test(estimators/complementary_fusion_test.cc LIBRARIES pliant::estimators)
+pliant_test(estimators/momentum_observer_test.cc LIBRARIES pliant::diagrams)
