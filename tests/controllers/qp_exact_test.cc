@@ -45,8 +45,10 @@ Exact SolveExactly(const QpProblem& qp) {
     if (std::isfinite(qp.lower(i))) add(i, CGAL::LARGER, qp.lower(i));
     if (std::isfinite(qp.upper(i))) add(i, CGAL::SMALLER, qp.upper(i));
   }
+  CGAL::Quadratic_program_options options;
+  options.set_pricing_strategy(CGAL::QP_BLAND);  // the one of CGAL's rules that cannot cycle
   const CGAL::Quadratic_program_solution<CGAL::Gmpzf> solution =
-      CGAL::solve_quadratic_program(program, CGAL::Gmpzf());
+      CGAL::solve_quadratic_program(program, CGAL::Gmpzf(), options);
   Exact exact{.feasible = !solution.is_infeasible(), .x = Eigen::VectorXd::Zero(n)};
   if (exact.feasible) {
     int i = 0;
