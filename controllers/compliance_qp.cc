@@ -31,6 +31,20 @@ void Add(const Objective& term, QpProblem& qp) {
   }
 }
 
+// The compiler knows the usual sizes: a position, a pose, seven joints.
+void Add(const Objective& term, QpProblem& qp) {
+  switch (term.b.size()) {
+    case 3:
+      return Add<3>(term, qp);
+    case 6:
+      return Add<6>(term, qp);
+    case 7:
+      return Add<7>(term, qp);
+    default:
+      return Add<Eigen::Dynamic>(term, qp);
+  }
+}
+
 /// The problem of the class comment, in (q̈, s) with a multiple of s².
 void WriteRelaxed(const QpProblem& qp, QpProblem& relaxed) {
   const Eigen::Index n = qp.variables();
@@ -95,8 +109,7 @@ void ComplianceQp::Solve(Solution& out, const Solution& last, Workspace& w, cons
   QpProblem& qp = w.problem;
   qp.H.setZero();
   qp.g.setZero();
-  for (int k = 0; k < terms.size(); ++k)
-    terms[k].b.size() == 6 ? Add<6>(terms[k], qp) : Add<Eigen::Dynamic>(terms[k], qp);
+  for (int k = 0; k < terms.size(); ++k) Add(terms[k], qp);
   qp.x_lower.setConstant(-kInfinity);
   qp.x_upper.setConstant(kInfinity);
   for (int k = 0; k < dampers.size(); ++k) {

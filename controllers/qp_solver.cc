@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <new>
 #include <type_traits>
 #include <utility>
 
@@ -71,6 +72,25 @@ template <int kCount, class F>
   (std::make_integer_sequence<int, kCount>{});
 }
 
+// What the method for up to N variables works on. It lies as densely as N allows: what is written
+// here and read there a multiple of 4 kB away stalls the processor.
+template <int N>
+struct Memory {
+  static constexpr int kLimits = N + kMaxQpRows;
+  using Square = std::array<double, N * N>;
+  using Column = std::array<double, N>;
+  using PerLimit = std::array<double, kLimits>;
+
+  alignas(64) Square J, R, reflector, whitened;
+  alignas(64) Column x, c, p, d, r, z, normal, remainder;
+  Column reflection, inverse, bound, sign, multiplier, whole;
+  PerLimit value, excess, slack, reach, size;
+  std::array<std::int16_t, kLimits + 1> suspect;
+  std::array<std::int16_t, N> limit;
+  std::array<bool, N> equality;
+  std::array<bool, kLimits> active;
+};
+
 // The method for up to N variables, N a multiple of 8; for exactly kVariables if that is not 0.
 // Vectors are padded to N with zeros. A normal a carries the sign that makes its limit aᵀx ≥ b.
 //
@@ -81,7 +101,13 @@ template <int N, int kVariables>
 class DualActiveSet {
  public:
   DualActiveSet(const QpProblem& problem, QpWorkspace& workspace, const QpOptions& options)
-      : qp_{problem}, w_{workspace}, m_{problem.rows()}, max_iterations_{options.max_iterations} {}
+      : qp_{problem},
+        w_{*new (workspace.memory.data()) Memory<N>},
+        m_{problem.rows()},
+        max_iterations_{options.max_iterations} {
+    static_assert(sizeof(Memory<N>) <= sizeof(QpWorkspace));
+    static_assert(std::is_trivially_destructible_v<Memory<N>>);
+  }
 
   QpStatus Run(QpLimits& active, QpSolution& solution) {
     solution.x.setZero(n());
@@ -248,15 +274,23 @@ class DualActiveSet {
   double Tolerance(int limit) const { return kFeasibility * w_.size[limit] * largest_x_; }
 
   // Whether a normal depends on the working set: r = R⁻¹ d₁, rest = ‖d₂‖². Where d₂ is so short
-  // that round-off could make it, e = a − Σ r_k a_k decides, which no weight in H distorts; r and
-  // d₂ are then made anew from e.
+  // that round-off could make it, e = a − Σ r_k a_k decides, which no weight in H distorts.
   bool Depends(int limit, double sign, double* d, double whole, double& rest) {
-    const bool full = count_ == n();
-    if (!full && rest > kSuspicious * kSuspicious * whole) return false;
+    if (count_ == n()) return true;
+    if (rest > kSuspicious * kSuspicious * whole) return false;
+    const double size = Refine(limit, sign, d);
+    rest = Tail(d);
+    return rest == 0 || !(Largest(w_.remainder.data()) > kRoundOff * size);
+  }
+
+  // Makes r and d₂ anew from e, unless e is as small as it can be; returns the size of the numbers
+  // it is computed from.
+  double Refine(int limit, double sign, double* d) {
     double* const r = w_.r.data();
     double* const e = w_.remainder.data();
     double* const correction = w_.z.data();
-    Remainder(limit, sign, r, e);
+    const double size = Remainder(limit, sign, r, e);
+    if (Largest(e) <= 8 * kEpsilon * size) return size;
     for (int k = 0; k < n(); ++k) correction[k] = Dot(w_.J.data() + k * N, e, 0, N);
     for (int k = n(); k < N; ++k) correction[k] = 0;
     if (!formed_)
@@ -264,9 +298,7 @@ class DualActiveSet {
     std::copy(correction + count_, correction + N, d + count_);
     SolveR(correction);
     for (int k = 0; k < count_; ++k) r[k] += correction[k];
-    const double size = Remainder(limit, sign, r, e);
-    rest = Tail(d);
-    return full || rest == 0 || !(Largest(e) > kRoundOff * size);
+    return Remainder(limit, sign, r, e);
   }
 
   double Largest(const double* a) const {
@@ -548,7 +580,8 @@ class DualActiveSet {
       }
       bool enters = false;
       if (depends) {
-        if (!Contradicts(sign_ * bound)) {
+        const bool in_doubt = leaving < 0 || violation_ <= 1e6 * Tolerance(p);
+        if (in_doubt && !Contradicts(p, sign_ * bound)) {
           w_.slack[p] = 2 * violation_;
           return QpStatus::Solved;
         }
@@ -583,7 +616,8 @@ class DualActiveSet {
 
   // Whether a limit with a = Σ r_k a_k asks for more than the working set gives, b > Σ r_k b_k, and
   // not by round-off in x or r only.
-  bool Contradicts(double bound) const {
+  bool Contradicts(int limit, double bound) {
+    if (count_ == n()) Refine(limit, sign_, w_.d.data());
     double gap = bound, size = std::abs(bound);
     for (int k = 0; k < count_; ++k) {
       gap -= w_.r[k] * w_.bound[k];
@@ -703,7 +737,7 @@ class DualActiveSet {
   }
 
   const QpProblem& qp_;
-  QpWorkspace& w_;
+  Memory<N>& w_;
   const int m_;
   const int max_iterations_;
   int iterations_ = 0;

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <initializer_list>
 
@@ -114,20 +115,9 @@ struct QpOptions {
   int max_iterations = 1000;
 };
 
-/// Memory of the solver. No result depends on what it held before.
+/// Memory of the solver, about 180 kB. No result depends on what it held before.
 struct QpWorkspace {
-  static constexpr int kLimits = kMaxQpVariables + kMaxQpRows;
-  using Square = std::array<double, kMaxQpVariables * kMaxQpVariables>;
-  using Column = std::array<double, kMaxQpVariables>;
-
-  alignas(64) Square J{}, R{}, reflector{}, whitened{};
-  alignas(64) Column x{}, c{}, p{}, d{}, r{}, z{}, normal{}, remainder{};
-  Column reflection{}, inverse{}, bound{}, sign{}, multiplier{}, whole{};
-  std::array<double, kLimits> value{}, excess{}, slack{}, reach{}, size{};
-  std::array<std::int16_t, kLimits + 1> suspect{};
-  std::array<std::int16_t, kMaxQpVariables> limit{};
-  std::array<bool, kMaxQpVariables> equality{};
-  std::array<bool, kLimits> active{};
+  alignas(64) std::array<std::byte, 180'000> memory{};
 };
 
 /// Solves by the dual active-set method: from the minimum subject to the limits in `active` (those
