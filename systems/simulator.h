@@ -88,6 +88,7 @@ class Simulator {
   void Save(const std::filesystem::path& file);
   void Restore(const std::filesystem::path& file);
 
+  /// To read. What is set through it is not seen by the integrator: use Set.
   Context& context() { return context_; }
   const Diagram& diagram() const { return diagram_; }
   Integrator::Statistics statistics() const;
