@@ -38,7 +38,7 @@ SimulatedArm::SimulatedArm(const Options& o)
       position{this, "position", o.plant.model.joints()},
       velocity{this, "velocity", o.plant.model.joints()},
       acceleration{this, "acceleration", o.plant.model.joints()},
-      poses{this, "poses"} {
+      motion{this, "motion", o.plant.model.joints()} {
   const Joints& joints = o.plant.model.joints();
   auto& latch = Add<Latch>("latch", {.joints = joints, .period = o.period});
   auto& plant = Add<SimbodyPlant>("plant", o.plant);
@@ -57,7 +57,7 @@ SimulatedArm::SimulatedArm(const Options& o)
   Connect(plant.position, position);
   Connect(plant.velocity, velocity);
   Connect(plant.acceleration, acceleration);
-  Connect(plant.poses, poses);
+  Connect(plant.motion, motion);
 }
 
 }  // namespace pliant

@@ -37,7 +37,7 @@ class SimulatedArm final : public Composite {
   Output<JointPosition> position;  ///< what the plant does, not what sensors say of it
   Output<JointVelocity> velocity;
   Output<JointAcceleration> acceleration;
-  Output<FramePoses> poses;
+  Output<RobotDynamics> motion;
 };
 
 }  // namespace pliant

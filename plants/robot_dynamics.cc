@@ -234,6 +234,16 @@ FrameDynamics PointDynamics(const RobotModel& model, const RobotDynamics& d, int
   return frame;
 }
 
+PointMotion MotionOf(const RobotModel& model, const RobotDynamics& d, int index,
+                     const Vector3d& point) {
+  const Link& link = model.link(index);
+  const Vector3d in_body = link.pose.position + link.pose.rotation * point;
+  if (link.body < 0) return {in_body, Vector3d::Zero()};
+  const BodyMotion& B = d.body[At(link.body)];
+  const Vector3d r = B.rotation * in_body;
+  return {B.position + r, B.velocity + B.omega.cross(r)};
+}
+
 double KineticEnergy(const RobotDynamics& d) { return 0.5 * d.v.dot(d.M.lazyProduct(d.v)); }
 
 double PotentialEnergy(const RobotModel& model, const RobotDynamics& d) {

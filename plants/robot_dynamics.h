@@ -144,6 +144,16 @@ Pose LinkPose(const RobotModel& model, const RobotDynamics& d, int link);
 FrameDynamics PointDynamics(const RobotModel& model, const RobotDynamics& d, int link,
                             const Eigen::Vector3d& point);
 
+/// Where a point of a link is and how it moves, in the world.
+struct PointMotion {
+  Eigen::Vector3d position;  ///< [m]
+  Eigen::Vector3d velocity;  ///< [m/s]
+};
+
+/// `point` in the link's frame [m].
+PointMotion MotionOf(const RobotModel& model, const RobotDynamics& d, int link,
+                     const Eigen::Vector3d& point);
+
 /// ½ vᵀ M v [J].
 double KineticEnergy(const RobotDynamics& d);
 

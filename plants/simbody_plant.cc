@@ -23,49 +23,63 @@ PerJoint NotNegative(const PerJoint& x, const RobotModel& model, const std::stri
 
 SimbodyPlant::SimbodyPlant(const Options& o)
     : torque{this, "torque", o.model.joints()},
+      loads{this, "loads", o.model.joints()},
       contacts{this, "contacts"},
       position{this, "position", o.model.joints()},
       velocity{this, "velocity", o.model.joints()},
       acceleration{this, "acceleration", o.model.joints()},
-      poses{this, "poses"},
+      motion{this, "motion", o.model.joints(), RobotDynamics(o.model, o.frames)},
+      energy{this, "energy"},
+      dissipation{this, "dissipation"},
       model_{o.model},
       simbody_{o.engine == Engine::Simbody ? std::make_shared<const SimbodyArm>(o.model) : nullptr},
       d_{NotNegative(o.damping, o.model, "damping")},
       B_{NotNegative(o.rotor_inertia, o.model, "rotor_inertia")},
       q_{this, "q", o.model.joints(), PerJointOr0(o.position, o.model, "position")},
       v_{this, "v", o.model.joints(), PerJointOr0(o.velocity, o.model, "velocity")},
-      work_{this, "work", Workspace{.simbody = {}, .dynamics = RobotDynamics(o.model)}},
-      pose_work_{this, "pose_work", Workspace{.simbody = {}, .dynamics = RobotDynamics(o.model)}} {
-  Require(o.frames.size() <= kMaxFrames, "a plant shows at most " + Text(kMaxFrames) + " frames",
-          o.frames.size());
-  for (const std::string& frame : o.frames) frames_.push_back(o.model.link_index(frame));
-
+      work_{this, "work"} {
   Derivative(q_).From(v_).As([](const JointVelocity& v) { return v; });
   Derivative(v_).From(acceleration).As([](const JointAcceleration& a) { return a; });
   Compute(position).From(q_).As([](const JointPosition& q) { return q; });
   Compute(velocity).From(v_).As([](const JointVelocity& v) { return v; });
-  Compute(acceleration).From(work_, q_, v_, torque, contacts).As(&SimbodyPlant::Accelerate);
-  Compute(poses).From(pose_work_, q_, v_).As(&SimbodyPlant::Place);
+  if (simbody_)
+    Compute(acceleration).From(work_, q_, v_, torque, loads, contacts).As(&SimbodyPlant::BySimbody);
+  else
+    Compute(acceleration).From(motion, torque, loads, contacts).As(&SimbodyPlant::Recursively);
+  Compute(motion).From(q_, v_).As(&SimbodyPlant::Move);
+  Compute(energy).From(motion).As(&SimbodyPlant::Energy);
+  Compute(dissipation).From(v_).As(&SimbodyPlant::Dissipate);
 }
 
-JointAcceleration SimbodyPlant::Accelerate(Workspace& w, const JointPosition& q,
-                                           const JointVelocity& v, const JointTorque& tau,
-                                           const Joined<ContactForce>& joined) const {
+JointAcceleration SimbodyPlant::BySimbody(Workspace& w, const JointPosition& q,
+                                          const JointVelocity& v, const JointTorque& tau,
+                                          const Joined<JointTorque>& joined_loads,
+                                          const Joined<ContactForce>& joined_contacts) const {
   w.forces.clear();
-  for (int i = 0; i < joined.size(); ++i) w.forces.push_back(joined[i]);
-  const JointTorque net = tau - d_.cwiseProduct(v);
-  if (simbody_) return simbody_->ForwardDynamics(q, v, net, w.forces, B_, w.simbody);
-  ComputeDynamics(model_, q, v, w.dynamics);
-  return pliant::ForwardDynamics(w.dynamics, net, ExternalTorque(model_, w.dynamics, w.forces), B_);
+  for (int i = 0; i < joined_contacts.size(); ++i) w.forces.push_back(joined_contacts[i]);
+  JointTorque net = tau - d_.cwiseProduct(v);
+  for (int i = 0; i < joined_loads.size(); ++i) net += joined_loads[i];
+  return simbody_->ForwardDynamics(q, v, net, w.forces, B_, w.simbody);
 }
 
-void SimbodyPlant::Place(FramePoses& X, Workspace& w, const JointPosition& q,
-                         const JointVelocity& v) const {
-  X.size = static_cast<int>(frames_.size());
-  if (X.size == 0) return;
-  ComputeDynamics(model_, q, v, w.dynamics);
-  for (std::size_t i = 0; i < frames_.size(); ++i)
-    X.pose[i] = LinkPose(model_, w.dynamics, frames_[i]);
+JointAcceleration SimbodyPlant::Recursively(const RobotDynamics& d, const JointTorque& tau,
+                                            const Joined<JointTorque>& joined_loads,
+                                            const Joined<ContactForce>& joined_contacts) const {
+  JointTorque net = tau - d_.cwiseProduct(d.v);
+  for (int i = 0; i < joined_loads.size(); ++i) net += joined_loads[i];
+  for (int i = 0; i < joined_contacts.size(); ++i)
+    net += ExternalTorque(model_, d, {&joined_contacts[i], 1});
+  return pliant::ForwardDynamics(d, net, JointTorque::Zero(model_.joints()), B_);
 }
+
+void SimbodyPlant::Move(RobotDynamics& d, const JointPosition& q, const JointVelocity& v) const {
+  ComputeDynamics(model_, q, v, d);
+}
+
+double SimbodyPlant::Energy(const RobotDynamics& d) const {
+  return KineticEnergy(d) + 0.5 * d.v.dot(B_.cwiseProduct(d.v)) + PotentialEnergy(model_, d);
+}
+
+double SimbodyPlant::Dissipate(const JointVelocity& v) const { return v.dot(d_.cwiseProduct(v)); }
 
 }  // namespace pliant

@@ -129,6 +129,27 @@ struct Wrench : Signal<Wrench, Frame, 6> {
   static constexpr std::array<std::string_view, 6> elements{"mx", "my", "mz", "fx", "fy", "fz"};
 };
 
+struct LinearAcceleration : Signal<LinearAcceleration, Frame, 3> {
+  using Signal::Signal;
+  static constexpr Quantity quantity{"acceleration", "m/s²"};
+};
+struct LinearVelocity : Signal<LinearVelocity, Frame, 3> {
+  using Signal::Signal;
+  using Rate = LinearAcceleration;
+  static constexpr Quantity quantity{"velocity", "m/s"};
+};
+/// Of a point.
+struct Position : Signal<Position, Frame, 3> {
+  using Signal::Signal;
+  using Rate = LinearVelocity;
+  static constexpr Quantity quantity{"position", "m"};
+};
+/// Of the environment on the robot.
+struct Force : Signal<Force, Frame, 3> {
+  using Signal::Signal;
+  static constexpr Quantity quantity{"force", "N"};
+};
+
 /// Position and orientation X_AB of a frame B in a frame A.
 struct Pose {
   using Space = Frame;

@@ -169,7 +169,7 @@ TEST(SimbodyPlant, TakesNothingFromTheHeapWhileThreeContactsMoveIt) {
   EXPECT_EQ(Allocations() - before, 0);
 }
 
-TEST(SimbodyPlant, ShowsThePosesOfItsFrames) {
+TEST(SimbodyPlant, ShowsTheMotionOfItsFrames) {
   const RobotModel m = Gen3();
   BlockTester<SimbodyPlant> t(SimbodyPlant::Options{.model = m,
                                                     .position = kPosture,
@@ -178,10 +178,10 @@ TEST(SimbodyPlant, ShowsThePosesOfItsFrames) {
   t.Set(t->torque, JointTorque::Zero(m.joints()));
   RobotDynamics d(m);
   ComputeDynamics(m, kPosture, JointVelocity::Zero(m.joints()), d);
-  const FramePoses X = t.Get(t->poses);
-  ASSERT_EQ(X.size, 2);
-  EXPECT_EQ(X.pose[0].position, LinkPose(m, d, m.link_index("tool_frame")).position);
-  EXPECT_EQ(X.pose[1].rotation, LinkPose(m, d, m.link_index("forearm_link")).rotation);
+  const RobotDynamics& shown = t.Get(t->motion);
+  ASSERT_EQ(shown.frames, 2);
+  EXPECT_EQ(shown.frame[0].pose.position, LinkPose(m, d, m.link_index("tool_frame")).position);
+  EXPECT_EQ(shown.frame[1].pose.rotation, LinkPose(m, d, m.link_index("forearm_link")).rotation);
 }
 
 TEST(SimbodyPlant, RefusesOptionsThatMakeNoPlant) {
@@ -206,7 +206,7 @@ TEST(SimbodyPlant, RefusesOptionsThatMakeNoPlant) {
   EXPECT_EQ(error([](O& o) { o.rotor_inertia = PerJoint::Constant(7, -2); }),
             "every rotor_inertia must be >= 0, got -2");
   EXPECT_EQ(error([](O& o) { o.frames.assign(9, "tool_frame"); }),
-            "a plant shows at most 8 frames, got 9");
+            "dynamics of at most 8 frames are computed, got 9");
   EXPECT_THAT(error([](O& o) { o.frames = {"tol_frame"}; }), testing::HasSubstr("tool_frame"));
 }
 

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cmath>
+#include <concepts>
+#include <limits>
+#include <string>
+#include <string_view>
+
+#include "pliant/systems/error.h"
+
+namespace pliant {
+
+/// The numbers a parameter may have.
+struct Range {
+  double least = -std::numeric_limits<double>::infinity();
+  double most = std::numeric_limits<double>::infinity();
+  bool without_least = false;  ///< `least` itself is not one of them
+
+  bool Contains(double x) const {
+    return std::isfinite(x) && (without_least ? x > least : x >= least) && x <= most;
+  }
+  std::string text() const;  ///< such as "> 0" or "from 0 to 1"
+};
+
+inline constexpr Range kAnyNumber{};
+inline constexpr Range kPositive{.least = 0, .without_least = true};
+inline constexpr Range kNotNegative{.least = 0};
+constexpr Range Between(double least, double most) { return {.least = least, .most = most}; }
+
+/// The value of a parameter that must be given: it has no default.
+inline constexpr double kToBeGiven = std::numeric_limits<double>::quiet_NaN();
+
+/// A struct that names its parameters once, for checks, files and tables:
+///
+///   struct Gear {
+///     double ratio = kToBeGiven;
+///
+///     template <class F>
+///     void Parameters(F&& f) {
+///       f("ratio", ratio, "", kPositive);
+///     }
+///   };
+template <class T>
+concept HasParameters = requires(T& t) {
+  t.Parameters([](std::string_view, auto&, std::string_view, const Range&) {});
+};
+
+/// Throws "<where>: gear_ratio must be > 0, got 0" for the first parameter out of its range.
+void RequireInRange(std::string_view where, std::string_view name, double value,
+                    std::string_view unit, const Range& range);
+
+template <HasParameters T>
+void RequireInRange(std::string_view where, const T& parameters) {
+  const_cast<T&>(parameters)
+      .Parameters(
+          [&](std::string_view name, const auto& value, std::string_view unit, const Range& range) {
+            if constexpr (std::same_as<std::decay_t<decltype(value)>, double>)
+              RequireInRange(where, name, value, unit, range);
+          });
+}
+
+}  // namespace pliant
