@@ -11,7 +11,9 @@ const std::vector<Experiment>& Experiments() {
   static const std::vector<Experiment> all{
       {"null-space-compliance",
        "a Gen3 holds its tool and is pushed at the elbow and at the tool, with three compliances",
-       [](const Progress& progress) { return NullSpaceCompliance({}, progress); }},
+       [](const ExperimentOptions& o, const Progress& progress) {
+         return NullSpaceCompliance({.ideal = o.ideal}, progress);
+       }},
   };
   return all;
 }

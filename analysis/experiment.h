@@ -13,11 +13,15 @@ namespace pliant {
 using Progress =
     std::function<void(const std::string& phase, double done_s, double total_s, double wall_s)>;
 
+struct ExperimentOptions {
+  bool ideal = false;  ///< torque sources and sensors without error instead of the real ones
+};
+
 /// An experiment of the papers that anyone can run by name.
 struct Experiment {
   std::string name;
   std::string summary;
-  std::function<Report(const Progress&)> run;
+  std::function<Report(const ExperimentOptions&, const Progress&)> run;
 };
 
 const std::vector<Experiment>& Experiments();

@@ -9,6 +9,7 @@
 #include "pliant/analysis/compliance_prediction.h"
 #include "pliant/analysis/with_unit.h"
 #include "pliant/diagrams/compliance_loop.h"
+#include "pliant/diagrams/stations.h"
 #include "pliant/plants/model_file.h"
 #include "pliant/systems/logger.h"
 #include "pliant/systems/simulator.h"
@@ -24,15 +25,15 @@ constexpr char kTool[] = "tool_frame";
 /// motors are ideal torque sources, so the inertia of their rotors is part of what they move.
 ComplianceLoop::Options Gen3(const NullSpaceComplianceOptions& o) {
   const RobotModel model = RobotModel::FromUrdf(ModelFile("gen3/gen3_7dof.urdf"));
+  const JointPosition home{0, 0.2618, std::numbers::pi, -2.2689, 0, 0.9599, std::numbers::pi / 2};
   ComplianceLoop::Options loop{
       .model = model,
       .tool = kTool,
-      .posture = {0, 0.2618, std::numbers::pi, -2.2689, 0, 0.9599, std::numbers::pi / 2},
+      .arm = SimulatedGen3(
+          model, {.position = home, .ideal = o.ideal, .seed = o.seed, .engine = o.engine}),
       .observer_gain = o.observer_gain,
-      .damper = {.model = model},
-      .engine = o.engine};
-  loop.rotor_inertia.resize(7);
-  loop.rotor_inertia << 0.40, 0.40, 0.40, 0.40, 0.22, 0.22, 0.22;
+      .damper = {.model = model}};
+  if (!o.ideal) loop.low_level = LowLevelTorqueOf(loop.arm.actuators, model, loop.arm.period);
   loop.pushes = {{.model = model,
                   .link = "forearm_link",  // its origin is the elbow
                   .force = {0, o.push_N, 0},
@@ -129,8 +130,9 @@ double LargestTurn(const Run& run) {
 
 /// What the transfer function makes of the pushes of this run: e, 6 rows.
 Series Predicted(const Run& run, const ComplianceLoop::Options& o) {
-  const Series a = TaskAcceleration(o.model, o.tool, run.q, run.tau_e, o.rotor_inertia);
-  return DeviationBehindObserver(a, o.observer_gain, o.pose_damping, o.pose_stiffness, o.period);
+  const Series a =
+      TaskAcceleration(o.model, o.tool, run.q, run.tau_e, o.arm.actuators.reflected_inertia());
+  return DeviationBehindObserver(a, o.observer_gain, o.pose_damping, o.pose_stiffness, o.arm.period);
 }
 
 /// 1: the run used all of a limit; positions count from the middle of their range.
@@ -221,9 +223,9 @@ Eigen::Index EndOfPlateau(const Run& run, const ComplianceLoop::Options& o) {
 
 Claim YieldsEverywhere(const Run& run, const ComplianceLoop::Options& o) {
   const Eigen::Index k = EndOfPlateau(run, o);
-  const Series static_error =
-      TaskAcceleration(o.model, o.tool, run.q.col(k), run.tau_e.col(k), o.rotor_inertia) /
-      o.pose_stiffness;
+  const Series static_error = TaskAcceleration(o.model, o.tool, run.q.col(k), run.tau_e.col(k),
+                                               o.arm.actuators.reflected_inertia()) /
+                              o.pose_stiffness;
   const Eigen::Vector3d e = run.error.col(k).tail(3), expected = static_error.col(0).tail(3);
   const double off = (e - expected).norm() / expected.norm();
   return {.id = "full",
@@ -335,7 +337,8 @@ Figure Predictions(const Run& stiff, const Run& null_space, const Run& full,
   add(stiff, Predicted(stiff, o), "predicted");
   add(null_space, Predicted(null_space, o), "predicted");
   add(full,
-      TaskAcceleration(o.model, o.tool, full.q, full.tau_e, o.rotor_inertia) / o.pose_stiffness,
+      TaskAcceleration(o.model, o.tool, full.q, full.tau_e, o.arm.actuators.reflected_inertia()) /
+          o.pose_stiffness,
       "if static");
   return figure;
 }
@@ -378,9 +381,10 @@ std::vector<Setting> Settings(const ComplianceLoop::Options& o,
                " s, raised-cosine edges of " + Text(push.edge_s) + " s");
   return {
       {"robot", o.model.name() + ", ideal torque actuators and sensors, no friction"},
-      {"rotor inertia", Text(o.rotor_inertia.transpose()) + " kg·m², reflected"},
+      {"rotor inertia",
+       Text(o.arm.actuators.reflected_inertia().transpose()) + " kg·m², reflected"},
       {"plant", n.engine == SimbodyPlant::Engine::Simbody ? "Simbody" : "recursive kernel"},
-      {"controller", "one QP at " + o.period.text() + ": pose of " + o.tool + " " +
+      {"controller", "one QP at " + o.arm.period.text() + ": pose of " + o.tool + " " +
                          Text(o.pose_stiffness) + "/" + Text(o.pose_damping) + ", weight " +
                          Text(o.pose_weight) + "; posture " + Text(o.posture_stiffness) + "/" +
                          Text(o.posture_damping) + ", weight " + Text(o.posture_weight)},

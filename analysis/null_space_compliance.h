@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+
 #include "pliant/analysis/experiment.h"
 #include "pliant/plants/simbody_plant.h"
 
@@ -12,6 +14,8 @@ struct NullSpaceComplianceOptions {
   double duration_s = 6;
   double push_N = 20;         ///< at the elbow and, later, at the tool
   double observer_gain = 50;  ///< K_I [1/s]
+  bool ideal = false;         ///< torque sources and sensors without error
+  std::uint64_t seed = 1;     ///< of the sensors' noise
   SimbodyPlant::Engine engine = SimbodyPlant::Engine::Simbody;
 };
 

@@ -31,9 +31,9 @@ int ListExperiments() {
   return 0;
 }
 
-int RunExperiment(const pliant::Experiment& experiment, const std::filesystem::path& out,
-                  bool strict) {
-  const pliant::Report report = experiment.run(ProgressLine{});
+int RunExperiment(const pliant::Experiment& experiment, const pliant::ExperimentOptions& options,
+                  const std::filesystem::path& out, bool strict) {
+  const pliant::Report report = experiment.run(options, ProgressLine{});
   pliant::WriteReport(report, out);
   bool all = true;
   for (const pliant::Claim& claim : report.claims) {
@@ -68,6 +68,8 @@ int main(int argc, char** argv) {
   run->add_option("name", name, "of the experiment")->required();
   run->add_option("--out", out, "folder of the report, made if it is not there")
       ->capture_default_str();
+  pliant::ExperimentOptions options;
+  run->add_flag("--ideal", options.ideal, "ideal torque sources and sensors instead of real ones");
   run->add_flag("--strict", strict, "exit with 1 if a claim fails");
 
   try {
@@ -81,7 +83,7 @@ int main(int argc, char** argv) {
     const pliant::Experiment& experiment = pliant::FindExperiment(name);
     std::filesystem::create_directories(out);
     on_error = 3;
-    return RunExperiment(experiment, out, strict);
+    return RunExperiment(experiment, options, out, strict);
   } catch (const std::exception& e) {
     std::cerr << "pliant: " << e.what() << '\n';
     return on_error;

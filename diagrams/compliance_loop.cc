@@ -1,12 +1,14 @@
 #include "pliant/diagrams/compliance_loop.h"
 
+#include "pliant/systems/constant.h"
+
 namespace pliant {
 
 namespace {
 
 /// A push that changes at the controller's ticks only, so that the true torque is what acts.
 Push::Options Sampled(Push::Options push, const ComplianceLoop::Options& o) {
-  push.period = o.period;
+  push.period = o.arm.period;
   return push;
 }
 
@@ -19,23 +21,21 @@ Diagram ComplianceLoop::Make(const Options& o, ComplianceLoop& parts) {
   const int n = o.model.size();
   const std::vector<std::string> frames{o.tool};
   RobotDynamics start(o.model, frames);
-  ComputeDynamics(o.model, o.posture, JointVelocity::Zero(joints), start);
+  ComputeDynamics(o.model, o.arm.position, JointVelocity::Zero(joints), start);
+  const Duration period = o.arm.period;
+  const PerJoint rotors = o.arm.actuators.reflected_inertia();
 
   DiagramBuilder b;
   for (std::size_t i = 0; i < o.pushes.size(); ++i)
     parts.pushes.push_back(&b.Add<Push>("push_" + std::to_string(i + 1), Sampled(o.pushes[i], o)));
-  auto& arm = b.Add<SimulatedArm>("arm", {.plant = {.model = o.model,
-                                                    .position = o.posture,
-                                                    .rotor_inertia = o.rotor_inertia,
-                                                    .frames = frames,
-                                                    .engine = o.engine},
-                                          .period = o.period});
+  auto& arm = b.Add<SimulatedArm>("arm", o.arm);
   auto& dynamics = b.Add<ModelDynamics>(
-      "dynamics", {.model = o.model, .frames = frames, .rotor_inertia = o.rotor_inertia});
+      "dynamics", {.model = o.model, .frames = frames, .rotor_inertia = rotors});
+  auto& link_dynamics = b.Add<ModelDynamics>("link_dynamics", {.model = o.model});
   auto& true_torque = b.Add<ContactTorque>("true_torque", {.model = o.model});
   auto& observer = b.Add<MomentumObserver>(
       "observer",
-      {.joints = joints, .gain = PerJoint::Constant(n, o.observer_gain), .period = o.period});
+      {.joints = joints, .gain = PerJoint::Constant(n, o.observer_gain), .period = period});
   auto& external = b.Add<ExternalAcceleration>("external", {.joints = joints});
   auto& pose =
       b.Add<FrameTask>("pose", {.model = o.model,
@@ -47,15 +47,15 @@ Diagram ComplianceLoop::Make(const Options& o, ComplianceLoop& parts) {
                                 .compliance = o.pose_compliance * TaskMatrix::Identity(6, 6)});
   auto& posture = b.Add<PostureTask>(
       "posture", {.model = o.model,
-                  .target = o.posture,
+                  .target = o.arm.position,
                   .stiffness = PerJoint::Constant(n, o.posture_stiffness),
                   .damping = PerJoint::Constant(n, o.posture_damping),
                   .weight = o.posture_weight,
                   .compliance = o.posture_compliance * JointMatrix::Identity(n, n)});
   auto& damper = b.Add<JointDamper>("damper", o.damper);
-  auto& qp = b.Add<ComplianceQp>("qp", {.model = o.model, .period = o.period});
+  auto& qp = b.Add<ComplianceQp>("qp", {.model = o.model, .period = period});
 
-  auto& logger = b.Add<Logger>("logger", {.period = o.period, .capacity = o.log_rows});
+  auto& logger = b.Add<Logger>("logger", {.period = period, .capacity = o.log_rows});
 
   for (Push* push : parts.pushes) {
     b.Connect(push->force, logger.in);
@@ -65,7 +65,9 @@ Diagram ComplianceLoop::Make(const Options& o, ComplianceLoop& parts) {
   b.Connect(arm.measured_position, dynamics.position);
   b.Connect(arm.measured_velocity, dynamics.velocity);
   b.Connect(dynamics.dynamics, true_torque.dynamics);
-  b.Connect(dynamics.dynamics, observer.dynamics);
+  b.Connect(arm.measured_position, link_dynamics.position);
+  b.Connect(arm.measured_velocity, link_dynamics.velocity);
+  b.Connect(link_dynamics.dynamics, observer.dynamics);
   b.Connect(arm.measured_torque, observer.torque);
   b.Connect(dynamics.dynamics, external.dynamics);
   b.Connect(dynamics.dynamics, pose.dynamics);
@@ -83,7 +85,19 @@ Diagram ComplianceLoop::Make(const Options& o, ComplianceLoop& parts) {
   b.Connect(pose.objective, qp.objectives);
   b.Connect(posture.objective, qp.objectives);
   b.Connect(damper.bounds, qp.bounds);
-  b.Connect(qp.torque, arm.torque);
+  if (o.low_level) {
+    auto& low_level = b.Add<LowLevelTorque>("low_level", *o.low_level);
+    auto& mode = b.Add<Constant<ControlMode>>("mode", {.value = ControlMode::Current});
+    b.Connect(mode.y, arm.mode);
+    b.Connect(qp.torque, low_level.torque);
+    b.Connect(qp.acceleration, low_level.acceleration);
+    b.Connect(arm.measured_velocity, low_level.measured_velocity);
+    b.Connect(arm.measured_torque, low_level.measured_torque);
+    b.Connect(low_level.current, arm.current_command);
+    parts.low_level = &low_level;
+  } else {
+    b.Connect(qp.torque, arm.torque_command);
+  }
   b.Connect(arm.measured_position, logger.in);
   b.Connect(arm.measured_velocity, logger.in);
   b.Connect(true_torque.torque, logger.in);
@@ -95,6 +109,7 @@ Diagram ComplianceLoop::Make(const Options& o, ComplianceLoop& parts) {
 
   parts.arm = &arm;
   parts.dynamics = &dynamics;
+  parts.link_dynamics = &link_dynamics;
   parts.true_torque = &true_torque;
   parts.observer = &observer;
   parts.pose = &pose;

@@ -4,60 +4,153 @@ namespace pliant {
 
 namespace {
 
-/// The command that is acting: u_k from tick k on. Before the first tick the arm gets nothing.
-class Latch final : public Block {
+/// What the parts of an arm have and lose, added up.
+class EnergySum final : public Block {
  public:
-  struct Options {
-    Joints joints;
-    Duration period;
-  };
-
-  explicit Latch(const Options& o)
-      : command{this, "command", o.joints},
-        acting{this, "acting", o.joints},
-        u_{this, "u", o.joints} {
-    Every(o.period).Update(u_).From(command).As([](const JointTorque& u) { return u; });
-    Compute(acting).From(u_).As([](const JointTorque& u) { return u; });
+  EnergySum()
+      : links{this, "links"},
+        actuators{this, "actuators"},
+        dissipations{this, "dissipations"},
+        energy{this, "energy"},
+        dissipation{this, "dissipation"} {
+    Compute(energy).From(links, actuators).As([](double a, double b) { return a + b; });
+    Compute(dissipation).From(dissipations).As([](const Joined<double>& parts) {
+      double all = 0;
+      for (int i = 0; i < parts.size(); ++i) all += parts[i];
+      return all;
+    });
   }
-
-  Input<JointTorque> command;
-  Output<JointTorque> acting;
-
- private:
-  Discrete<JointTorque> u_;
+  Input<double> links, actuators;
+  InputList<double> dissipations;
+  Output<double> energy, dissipation;
 };
+
+/// Mode and saturation, sampled.
+class StatusSensor final : public Block {
+ public:
+  explicit StatusSensor(Duration period)
+      : mode{this, "mode"}, saturated{this, "saturated"}, status{this, "status"} {
+    Every(period).Compute(status).From(mode, saturated).As([](ControlMode m, JointBits bits) {
+      return ArmStatus{m, bits};
+    });
+  }
+  Input<ControlMode> mode;
+  Input<JointBits> saturated;
+  Output<ArmStatus> status;
+};
+
+/// Gains that are not given: those of a triple pole at 25 rad/s for the arm's inertia at the start.
+ArmFirmware::Options Firmware(const SimulatedArm::Options& o, const ArmActuators& actuators,
+                              const RobotDynamics& start) {
+  constexpr double kPole = 25;  // [rad/s]
+  ArmFirmware::Options firmware = o.firmware;
+  firmware.joints = o.model.joints();
+  firmware.period = o.period;
+  firmware.torque_per_ampere = actuators.torque_per_ampere();
+  firmware.torque_limit = actuators.torque_limit();
+  firmware.load = start.gravity;
+  const PerJoint inertia = start.M.diagonal() + actuators.reflected_inertia();
+  const auto fill = [&](PerJoint& gain, double value) {
+    if (gain.size() == 0) gain = value * inertia;
+  };
+  fill(firmware.position_stiffness, 3 * kPole * kPole);
+  fill(firmware.position_damping, 3 * kPole);
+  fill(firmware.position_integral, kPole * kPole * kPole);
+  return firmware;
+}
 
 }  // namespace
 
 SimulatedArm::SimulatedArm(const Options& o)
-    : torque{this, "torque", o.plant.model.joints()},
+    : mode{this, "mode", {}, o.firmware.mode},
+      position_command{this, "position_command", o.model.joints(), o.position},
+      torque_command{this, "torque_command", o.model.joints(), JointTorque::Zero(o.model.joints())},
+      current_command{this, "current_command", o.model.joints(),
+                      MotorCurrent::Zero(o.model.joints())},
       contacts{this, "contacts"},
-      measured_position{this, "measured_position", o.plant.model.joints()},
-      measured_velocity{this, "measured_velocity", o.plant.model.joints()},
-      measured_torque{this, "measured_torque", o.plant.model.joints()},
-      position{this, "position", o.plant.model.joints()},
-      velocity{this, "velocity", o.plant.model.joints()},
-      acceleration{this, "acceleration", o.plant.model.joints()},
-      motion{this, "motion", o.plant.model.joints()} {
-  const Joints& joints = o.plant.model.joints();
-  auto& latch = Add<Latch>("latch", {.joints = joints, .period = o.period});
-  auto& plant = Add<SimbodyPlant>("plant", o.plant);
-  auto& sensors = Add<JointSensors>("sensors", {.joints = joints, .period = o.period});
+      loads{this, "loads", o.model.joints()},
+      measured_position{this, "measured_position", o.model.joints()},
+      measured_velocity{this, "measured_velocity", o.model.joints()},
+      measured_torque{this, "measured_torque", o.model.joints()},
+      measured_current{this, "measured_current", o.model.joints()},
+      status{this, "status"},
+      position{this, "position", o.model.joints()},
+      velocity{this, "velocity", o.model.joints()},
+      acceleration{this, "acceleration", o.model.joints()},
+      motion{this, "motion", o.model.joints()},
+      joint_torque{this, "joint_torque", o.model.joints()},
+      energy{this, "energy"},
+      dissipation{this, "dissipation"},
+      power{this, "power"} {
+  const Joints& joints = o.model.joints();
+  const ArmActuators parameters =
+      o.actuators.joint.empty() ? ArmActuators::Ideal(joints) : o.actuators;
+  const PerJoint rotors = parameters.reflected_inertia();
 
-  Connect(torque, latch.command);
-  Connect(latch.acting, plant.torque);
+  SimbodyPlant::Options body{.model = o.model,
+                             .position = o.position,
+                             .velocity = o.velocity,
+                             .damping = o.damping,
+                             .frames = o.frames,
+                             .engine = o.engine};
+  if (parameters.transmission == Transmission::Rigid && (rotors.array() > 0).any())
+    body.rotor_inertia = rotors;
+  auto& plant = Add<SimbodyPlant>("plant", body);
+
+  // The brakes have just let go: motors and springs carry the arm's weight.
+  RobotDynamics start(o.model);
+  ComputeDynamics(o.model, o.position, JointVelocity::Zero(joints), start);
+  auto& actuators = Add<Actuators>("actuators", {.joints = joints,
+                                                 .parameters = parameters,
+                                                 .position = o.position,
+                                                 .velocity = o.velocity,
+                                                 .load = start.gravity});
+  auto& firmware = Add<ArmFirmware>("firmware", Firmware(o, parameters, start));
+  JointSensors::Options sampled = o.sensors;
+  sampled.joints = joints;
+  sampled.period = o.period;
+  auto& sensors = Add<JointSensors>("sensors", sampled);
+  auto& status_sensor = Add<StatusSensor>("status", o.period);
+  auto& sum = Add<EnergySum>("energy");
+
+  Connect(mode, firmware.mode);
+  Connect(position_command, firmware.position_command);
+  Connect(torque_command, firmware.torque_command);
+  Connect(current_command, firmware.current_command);
+  Connect(firmware.current, actuators.command);
+  Connect(actuators.torque, plant.torque);
   Connect(contacts, plant.contacts);
+  Connect(loads, plant.loads);
+  Connect(plant.position, actuators.position);
+  Connect(plant.velocity, actuators.velocity);
+  Connect(plant.acceleration, actuators.acceleration);
+
   Connect(plant.position, sensors.position);
   Connect(plant.velocity, sensors.velocity);
-  Connect(latch.acting, sensors.torque);
+  Connect(actuators.joint_torque, sensors.torque);
+  Connect(sensors.measured_position, firmware.position);
+  Connect(actuators.motor_velocity, firmware.motor_velocity);
+  Connect(sensors.measured_torque, firmware.torque);
+  Connect(firmware.active, status_sensor.mode);
+  Connect(actuators.saturated, status_sensor.saturated);
+  Connect(plant.energy, sum.links);
+  Connect(actuators.energy, sum.actuators);
+  Connect(plant.dissipation, sum.dissipations);
+  Connect(actuators.dissipation, sum.dissipations);
 
   Connect(sensors.measured_position, measured_position);
   Connect(sensors.measured_velocity, measured_velocity);
   Connect(sensors.measured_torque, measured_torque);
+  Connect(actuators.current, measured_current);
+  Connect(status_sensor.status, status);
   Connect(plant.position, position);
   Connect(plant.velocity, velocity);
   Connect(plant.acceleration, acceleration);
   Connect(plant.motion, motion);
+  Connect(actuators.joint_torque, joint_torque);
+  Connect(sum.energy, energy);
+  Connect(sum.dissipation, dissipation);
+  Connect(actuators.power, power);
 }
 
 }  // namespace pliant

@@ -3,41 +3,78 @@
 #include <string>
 #include <vector>
 
+#include "pliant/controllers/arm_firmware.h"
+#include "pliant/plants/actuators.h"
 #include "pliant/plants/joint_sensors.h"
-#include "pliant/plants/push.h"
 #include "pliant/plants/simbody_plant.h"
 #include "pliant/systems/composite.h"
 
 namespace pliant {
 
-/// A simulated arm with ideal torque actuators and ideal sensors, as a controller sees it: torque
-/// command in, samples of what the joints do out, every h.
+/// What a station says of itself.
+struct ArmStatus {
+  using Space = Nothing;
+  static constexpr Quantity quantity{"arm status", ""};
+
+  ControlMode mode = ControlMode::Current;  ///< the one that acts
+  JointBits saturated = 0;                  ///< joints whose current or torque is cut
+
+  template <class Visitor>
+  void Fields(Visitor&& f) {
+    f("mode", mode, "");
+    f("saturated", saturated, "");
+  }
+};
+
+/// A simulated arm behind the ports of a real one: a mode and commands in; samples of its sensors
+/// out.
 ///
-///   torque ─▶ latch ─▶ plant ─▶ sensors ─▶ measured_…
-///                        ▲
-///   contacts ────────────┘
+///   mode, commands ─▶ firmware ─▶ actuators ─▶ plant ─▶ sensors ─▶ measured_…
+///                        ▲            ▲          │ ▲        │
+///                        │            └──────────┘ └─ contacts, loads
+///                        └──────────────────────────────────┘
 ///
-/// The command of tick k acts from tick k to tick k + 1, so the sensors of tick k see u_{k−1}.
+/// The commands of tick k act from tick k to tick k + 1, so the sensors of tick k see those of tick
+/// k − 1. With `actuators` left out they are ideal: in torque mode, which is the one at first, the
+/// torque command acts on the links.
 class SimulatedArm final : public Composite {
  public:
   struct Options {
-    SimbodyPlant::Options plant;
-    Duration period = 1ms;
+    RobotModel model;
+    JointPosition position;         ///< q at the start [rad]
+    JointVelocity velocity = {};    ///< v at the start [rad/s]; empty: at rest
+    PerJoint damping = {};          ///< of the links' bearings [N·m·s/rad]; empty: none
+    ArmActuators actuators = {};    ///< without joints: ideal, without rotors
+    JointSensors::Options sensors = {};  ///< joints and period are filled in
+    ArmFirmware::Options firmware = {};  ///< joints, κ, limits and period too; and gains left empty
+    std::vector<std::string> frames = {};  ///< links shown by `motion`, at most kMaxFrames
+    SimbodyPlant::Engine engine = SimbodyPlant::Engine::Simbody;
+    Duration period = 1ms;  ///< of firmware and sensors
   };
 
   explicit SimulatedArm(const Options& o);
 
-  Input<JointTorque> torque;
+  Input<ControlMode> mode;
+  Input<JointPosition> position_command;
+  Input<JointTorque> torque_command;
+  Input<MotorCurrent> current_command;
   InputList<ContactForce> contacts;
+  InputList<JointTorque> loads;  ///< on the links
 
   Output<JointPosition> measured_position;
   Output<JointVelocity> measured_velocity;
   Output<JointTorque> measured_torque;
+  Output<MotorCurrent> measured_current;
+  Output<ArmStatus> status;
 
   Output<JointPosition> position;  ///< what the plant does, not what sensors say of it
   Output<JointVelocity> velocity;
   Output<JointAcceleration> acceleration;
   Output<RobotDynamics> motion;
+  Output<JointTorque> joint_torque;
+  Output<double> energy;       ///< of links, rotors, springs and bristles [J]
+  Output<double> dissipation;  ///< [W]
+  Output<double> power;        ///< of the motors [W]
 };
 
 }  // namespace pliant

@@ -1,30 +1,32 @@
 #pragma once
 
-#include <cmath>
 #include <concepts>
 #include <limits>
 #include <string>
 #include <string_view>
 
 #include "pliant/systems/error.h"
+#include "pliant/systems/signal.h"
 
 namespace pliant {
 
-/// The numbers a parameter may have.
+/// The numbers a parameter may have; never NaN.
 struct Range {
-  double least = -std::numeric_limits<double>::infinity();
-  double most = std::numeric_limits<double>::infinity();
+  double least = -std::numeric_limits<double>::max();
+  double most = std::numeric_limits<double>::max();
   bool without_least = false;  ///< `least` itself is not one of them
 
-  bool Contains(double x) const {
-    return std::isfinite(x) && (without_least ? x > least : x >= least) && x <= most;
-  }
+  bool Contains(double x) const { return (without_least ? x > least : x >= least) && x <= most; }
   std::string text() const;  ///< such as "> 0" or "from 0 to 1"
 };
+
+inline constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
 inline constexpr Range kAnyNumber{};
 inline constexpr Range kPositive{.least = 0, .without_least = true};
 inline constexpr Range kNotNegative{.least = 0};
+/// A limit that may be left out as kUnbounded.
+inline constexpr Range kLimit{.least = 0, .most = kUnbounded, .without_least = true};
 constexpr Range Between(double least, double most) { return {.least = least, .most = most}; }
 
 /// The value of a parameter that must be given: it has no default.
@@ -58,5 +60,9 @@ void RequireInRange(std::string_view where, const T& parameters) {
               RequireInRange(where, name, value, unit, range);
           });
 }
+
+/// The same of a number for each joint, "joint_3: stiffness must be > 0 N·m/rad, got 0".
+void RequireInRange(const Joints& joints, std::string_view name, const PerJoint& values,
+                    std::string_view unit, const Range& range);
 
 }  // namespace pliant

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <numbers>
 
+#include "pliant/diagrams/stations.h"
 #include "pliant/systems/simulator.h"
 #include "pliant/tests/plants/arms.h"
 #include "pliant/tests/support/allocations.h"
@@ -16,17 +17,16 @@ using Outcome = ComplianceQpReport::Outcome;
 
 ComplianceLoop::Options Options(double pose, double posture, TorqueEstimate estimate) {
   const RobotModel m = Gen3();
+  const JointPosition home{0, 0.2618, std::numbers::pi, -2.2689, 0, 0.9599, std::numbers::pi / 2};
   ComplianceLoop::Options o{
       .model = m,
       .tool = "tool_frame",
-      .posture = {0, 0.2618, std::numbers::pi, -2.2689, 0, 0.9599, std::numbers::pi / 2},
+      .arm = SimulatedGen3(
+          m, {.position = home, .ideal = true, .engine = SimbodyPlant::Engine::Recursive}),
       .pose_compliance = pose,
       .posture_compliance = posture,
       .estimate = estimate,
-      .damper = {.model = m},
-      .engine = SimbodyPlant::Engine::Recursive};
-  o.rotor_inertia.resize(7);
-  o.rotor_inertia << 0.4, 0.4, 0.4, 0.4, 0.22, 0.22, 0.22;
+      .damper = {.model = m}};
   o.pushes = {
       {.model = m, .link = "forearm_link", .force = {0, 20, 0}, .start_s = 0.1, .duration_s = 0.6},
       {.model = m, .link = "tool_frame", .force = {0, 0, -20}, .start_s = 0.4, .duration_s = 0.6}};
@@ -41,7 +41,7 @@ struct Moved {
     for (int k = 0; k < 1000; ++k) {
       sim.AdvanceThroughTick();
       const RobotDynamics& d = sim.Get(loop.dynamics->dynamics);
-      joints = std::max(joints, (d.q - o.posture).norm());
+      joints = std::max(joints, (d.q - o.arm.position).norm());
       tool = std::max(tool, sim.Get(loop.pose->error).norm());
       solved += sim.Get(loop.qp->report).outcome == Outcome::Solved;
       const JointTorque gap = sim.Get(loop.observer->residual) - sim.Get(loop.true_torque->torque);
@@ -81,7 +81,7 @@ TEST(ComplianceLoop, WithFullComplianceMovesAsWithoutAnyEstimate) {
 
 TEST(ComplianceLoop, SamplesPushesAtTheControllersTicks) {
   ComplianceLoop::Options o = Options(0, 0, TorqueEstimate::True);
-  o.period = 4ms;
+  o.arm.period = 4ms;
   const ComplianceLoop loop(o);
   Simulator sim(loop.diagram);
   for (int k = 0; k < 250; ++k) sim.AdvanceThroughTick();

@@ -31,21 +31,23 @@ TEST(SimulatedArm, ShowsAtTickKWhatTheCommandOfTheTickBeforeDid) {
   const PerJoint rotors = PerJoint::Constant(7, 1e3);
   DiagramBuilder b;
   auto& command = b.Add<Counter>("command", m.joints());
-  auto& arm = b.Add<SimulatedArm>("arm", {.plant = {.model = m,
-                                                    .position = JointPosition::Zero(m.joints()),
-                                                    .rotor_inertia = rotors,
-                                                    .engine = SimbodyPlant::Engine::Recursive}});
-  b.Connect(command.torque, arm.torque);
+  auto& arm = b.Add<SimulatedArm>("arm", {.model = m,
+                                          .position = JointPosition::Zero(m.joints()),
+                                          .actuators = ArmActuators::Ideal(m.joints(), rotors),
+                                          .engine = SimbodyPlant::Engine::Recursive});
+  b.Connect(command.torque, arm.torque_command);
   const Diagram diagram = b.Build();
   Simulator sim(diagram);
   RobotDynamics d(m);
   double v = 0;
   for (int k = 0; k < 20; ++k) {
     sim.AdvanceThroughTick();
-    EXPECT_EQ(sim.Get(arm.measured_torque), PerJoint::Constant(7, k)) << "u of tick k − 1 is k";
+    EXPECT_EQ(sim.Get(arm.measured_current), PerJoint::Constant(7, k)) << "u of tick k − 1 is k";
     EXPECT_EQ(sim.Get(command.torque), PerJoint::Constant(7, k + 1));
     // Joint 7 moves its link by k N·m for a millisecond: rotors outweigh the coupling 10⁵ times.
     const double inertia = d.M(6, 6) + 1e3;
+    EXPECT_NEAR(sim.Get(arm.measured_torque)(6), k * d.M(6, 6) / inertia, 1e-3 * k * d.M(6, 6))
+        << "a sensor between rotor and link";
     v += k * 1e-3 / inertia;
     EXPECT_NEAR(sim.Get(arm.measured_velocity)(6), v, 1e-3 * v + 1e-12) << k;
   }
@@ -55,10 +57,10 @@ TEST(SimulatedArm, AcceleratesByTheNewCommandFromItsTickOn) {
   const RobotModel m = Gen3();
   DiagramBuilder b;
   auto& command = b.Add<Counter>("command", m.joints());
-  auto& arm = b.Add<SimulatedArm>("arm", {.plant = {.model = m,
-                                                    .position = JointPosition::Zero(m.joints()),
-                                                    .engine = SimbodyPlant::Engine::Recursive}});
-  b.Connect(command.torque, arm.torque);
+  auto& arm = b.Add<SimulatedArm>("arm", {.model = m,
+                                          .position = JointPosition::Zero(m.joints()),
+                                          .engine = SimbodyPlant::Engine::Recursive});
+  b.Connect(command.torque, arm.torque_command);
   const Diagram diagram = b.Build();
   Simulator sim(diagram);
   for (int k = 0; k < 5; ++k) {

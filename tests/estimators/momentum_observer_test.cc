@@ -79,12 +79,10 @@ struct Watched {
       : model{pushes.empty() ? Gen3() : pushes.front().model} {
     const Joints& joints = model.joints();
     DiagramBuilder b;
-    arm = &b.Add<SimulatedArm>("arm", {.plant = {.model = model,
-                                                 .position = {0.1, 0.3, 0.2, -1.2, 0.3, 0.8, 0.1},
-                                                 .rotor_inertia = PerJoint::Constant(7, 0.1),
-                                                 .engine = SimbodyPlant::Engine::Recursive}});
-    dynamics = &b.Add<ModelDynamics>("dynamics",
-                                     {.model = model, .rotor_inertia = PerJoint::Constant(7, 0.1)});
+    arm = &b.Add<SimulatedArm>("arm", {.model = model,
+                                       .position = {0.1, 0.3, 0.2, -1.2, 0.3, 0.8, 0.1},
+                                       .engine = SimbodyPlant::Engine::Recursive});
+    dynamics = &b.Add<ModelDynamics>("dynamics", {.model = model});
     drive = &b.Add<Drive>("drive", damping, amplitude, joints);
     observer = &b.Add<MomentumObserver>(
         "observer", {.joints = joints, .gain = PerJoint::Constant(7, gain), .period = 1ms});
@@ -101,7 +99,7 @@ struct Watched {
     b.Connect(dynamics->dynamics, observer->dynamics);
     b.Connect(dynamics->dynamics, truth->dynamics);
     b.Connect(arm->measured_torque, observer->torque);
-    b.Connect(drive->torque, arm->torque);
+    b.Connect(drive->torque, arm->torque_command);
     diagram.emplace(b.Build());
     IntegratorOptions accurate{.relative_tolerance = 1e-9, .absolute_tolerance = 1e-11};
     sim.emplace(*diagram, Simulator::Options{.integrator = accurate});

@@ -1,0 +1,92 @@
+#pragma once
+
+#include <optional>
+
+#include "pliant/plants/robot_dynamics.h"
+#include "pliant/systems/block.h"
+
+namespace pliant {
+
+/// What an arm is told: where to be, what torque to have in its joints, or what current in its
+/// motors.
+enum class ControlMode { Position, Torque, Current };
+
+/// What an arm does by itself with its commands, every h:
+///
+///   Position   τ_m = k_p (q_d − q) + k_d (q̇_d − ω) + ∫ k_i (q_d − q) dt + g
+///   Torque     τ_m = f τ_d + g + k H(z) (τ_d + g − τ)
+///   Current    τ_m = κ i_d
+///   i = τ_m/κ, with ∫ and τ_m within ± τ_max
+///
+/// q̇_d is the difference of the last two commands, ω the velocity of the rotors, κ the torque per
+/// ampere behind the gear. g is the gravity torque of `compensated`, for arms that carry their own
+/// weight; without, 0. H is KinovaLag, made for h = 1 ms; what the vendor adds to it is not
+/// published, so f and k are parameters. On a change of mode H starts at rest and the integral
+/// takes over the torque that was there.
+///
+/// Commands of tick k act from tick k to tick k + 1.
+class ArmFirmware final : public Block {
+ public:
+  struct Options {
+    Joints joints;
+    PerJoint torque_per_ampere;     ///< κ [N·m/A], each > 0
+    PerJoint position_stiffness;    ///< k_p [N·m/rad], each ≥ 0
+    PerJoint position_damping;      ///< k_d [N·m·s/rad], each ≥ 0
+    PerJoint position_integral;     ///< k_i [N·m/(rad·s)], each ≥ 0
+    double torque_feedforward = 1;  ///< f
+    double torque_feedback = 0;     ///< k
+    JointTorque torque_limit;       ///< of ∫ and τ_m [N·m], each > 0
+    std::optional<RobotModel> compensated = {};
+    JointTorque load = {};                   ///< what the motors carry before the first tick [N·m]
+    ControlMode mode = ControlMode::Torque;  ///< where `mode` is not connected
+    Duration period = 1ms;
+  };
+
+  explicit ArmFirmware(const Options& o);
+
+  Input<ControlMode> mode;
+  Input<JointPosition> position_command;  ///< q_d
+  Input<JointTorque> torque_command;      ///< τ_d
+  Input<MotorCurrent> current_command;    ///< i_d
+  Input<JointPosition> position;          ///< q, measured
+  Input<JointVelocity> motor_velocity;    ///< ω, measured
+  Input<JointTorque> torque;              ///< τ, measured
+  Output<MotorCurrent> current;           ///< i
+  Output<ControlMode> active;             ///< the mode that made i
+
+ private:
+  struct State {
+    ControlMode mode = ControlMode::Current;
+    JointTorque torque, integral;    ///< τ_m, ∫
+    JointPosition position_command;  ///< q_d of the tick before
+    PerJoint e1, e2, y1, y2;         ///< H's memory
+    bool fresh = true;               ///< nothing was commanded yet
+
+    template <class Visitor>
+    void Fields(Visitor&& f) {
+      f("mode", mode, "");
+      f("torque", torque, "N·m");
+      f("integral", integral, "N·m");
+      f("position_command", position_command, "rad");
+      f("e1", e1, "N·m");
+      f("e2", e2, "N·m");
+      f("y1", y1, "N·m");
+      f("y2", y2, "N·m");
+      f("fresh", fresh, "");
+    }
+  };
+
+  void Next(State& next, const State& last, RobotDynamics& work, ControlMode asked,
+            const JointPosition& q_d, const JointTorque& tau_d, const MotorCurrent& i_d,
+            const JointPosition& q, const JointVelocity& omega, const JointTorque& tau) const;
+
+  MotorCurrent Current(const State& s) const {
+    return s.torque.cwiseQuotient(o_.torque_per_ampere);
+  }
+
+  const Options o_;
+  Discrete<State> state_;
+  Scratch<RobotDynamics> work_;
+};
+
+}  // namespace pliant

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+
+#include "pliant/controllers/low_level_torque.h"
+#include "pliant/diagrams/simulated_arm.h"
+
+namespace pliant {
+
+/// Which of the effects of a real arm a station has.
+struct StationOptions {
+  JointPosition position;  ///< q at the start [rad]
+  bool ideal = false;      ///< torque sources and sensors without error; the rotors turn with links
+  std::uint64_t seed = 1;  ///< of the sensors' noise and bias
+  SimbodyPlant::Engine engine = SimbodyPlant::Engine::Simbody;
+};
+
+/// Kinova Gen3, 7 joints, with models/gen3/actuators.yaml: motors, friction, elastic gears, noisy
+/// sensors. 1 kHz. The model is any of the Gen3, such as one with a sensor or a payload.
+SimulatedArm::Options SimulatedGen3(const RobotModel& model, const StationOptions& o);
+
+/// KUKA LWR IV+ with models/lwr/actuators.yaml. It carries its own weight in torque and position
+/// mode.
+SimulatedArm::Options SimulatedLwr(const RobotModel& model, const StationOptions& o);
+
+/// The torque loop of Muraccioli et al. 2025 (RSS) for these actuators, friction known: λ = 5,
+/// K_I = 10, θ = 2 s, thresholds 0.1 rad/s and 1 rad/s², leak clamped to 5 % of the torque limits.
+LowLevelTorque::Options LowLevelTorqueOf(const ArmActuators& actuators, const RobotModel& model,
+                                         Duration period);
+
+}  // namespace pliant

@@ -1,0 +1,82 @@
+#include "pliant/plants/actuator_parameters.h"
+
+#include <algorithm>
+#include <map>
+
+#include "pliant/systems/nearest_name.h"
+
+namespace pliant {
+
+namespace {
+
+ArmActuators From(const ParameterFile& file, const Joints& joints) {
+  file.RequireKeys({"transmission", "friction", "sizes", "joints"});
+  ArmActuators arm;
+  if (const auto given = file.Find("transmission"))
+    arm.transmission = static_cast<Transmission>(given->OneOf({"rigid", "elastic"}));
+  if (const auto given = file.Find("friction"))
+    arm.friction = static_cast<FrictionLaw>(given->OneOf(FrictionLawNames()));
+
+  std::map<std::string, ActuatorParameters> sizes;
+  std::vector<std::string> names;
+  for (const auto& [name, figures] : file["sizes"].entries()) {
+    figures.Fill(sizes[name]);
+    names.push_back(name);
+  }
+  std::vector<std::string> known;
+  for (int j = 0; j < joints.size(); ++j) known.push_back(joints[j]);
+  const ParameterFile of_joints = file["joints"];
+  of_joints.RequireKeys(known);
+  for (const std::string& joint : known)
+    arm.joint.push_back(sizes[names[of_joints[joint].OneOf(names)]]);
+  return arm;
+}
+
+template <class V>
+V Each(const std::vector<ActuatorParameters>& joints, auto figure) {
+  V all;
+  all.resize(static_cast<Eigen::Index>(joints.size()));
+  std::ranges::transform(joints, all.data(), figure);
+  return all;
+}
+
+}  // namespace
+
+ArmActuators ArmActuators::Read(const std::filesystem::path& file, const Joints& joints) {
+  return From(ParameterFile::Read(file), joints);
+}
+
+ArmActuators ArmActuators::ReadText(const std::string& text, const Joints& joints,
+                                    const std::string& source) {
+  return From(ParameterFile::ReadText(text, source), joints);
+}
+
+ArmActuators ArmActuators::Ideal(const Joints& joints, const PerJoint& reflected_inertia) {
+  Require(reflected_inertia.size() == 0 || reflected_inertia.size() == joints.size(),
+          "reflected_inertia has an element for each of the " + Text(joints.size()) + " joints",
+          reflected_inertia.size());
+  ArmActuators arm{.transmission = Transmission::Rigid, .friction = FrictionLaw::None, .joint = {}};
+  for (int j = 0; j < joints.size(); ++j)
+    arm.joint.push_back({.gear_ratio = 1,
+                         .torque_constant = 1,
+                         .rotor_inertia = reflected_inertia.size() > 0 ? reflected_inertia(j) : 0,
+                         .current_limit = kUnbounded,
+                         .torque_limit = kUnbounded,
+                         .stiffness = kUnbounded,
+                         .friction = {.coulomb = 0, .viscous = 0, .stiction = 0}});
+  return arm;
+}
+
+PerJoint ArmActuators::reflected_inertia() const {
+  return Each<PerJoint>(joint, &ActuatorParameters::reflected_inertia);
+}
+
+PerJoint ArmActuators::torque_per_ampere() const {
+  return Each<PerJoint>(joint, &ActuatorParameters::torque_per_ampere);
+}
+
+JointTorque ArmActuators::torque_limit() const {
+  return Each<JointTorque>(joint, &ActuatorParameters::torque_limit);
+}
+
+}  // namespace pliant

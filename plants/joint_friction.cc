@@ -1,0 +1,79 @@
+#include "pliant/plants/joint_friction.h"
+
+namespace pliant {
+
+JointFriction::JointFriction(const Options& o)
+    : velocity{this, "velocity", o.joints},
+      torque{this, "torque", o.joints},
+      deflection{this, "deflection", o.joints},
+      energy{this, "energy"},
+      dissipation{this, "dissipation"},
+      law_{o.law},
+      p_{o.parameters} {
+  Require(static_cast<int>(p_.size()) == o.joints.size(),
+          "parameters has an element for each of the " + Text(o.joints.size()) + " joints",
+          p_.size());
+  for (int j = 0; j < o.joints.size(); ++j)
+    RequireInRange(o.joints[j], p_[static_cast<std::size_t>(j)]);
+
+  if (law_ == FrictionLaw::LuGre || law_ == FrictionLaw::ElastoPlastic) {
+    z_.emplace(this, "z", o.joints);
+    Derivative(*z_).From(*z_, velocity).As(&JointFriction::Bend);
+    Compute(torque).From(*z_, velocity).As(&JointFriction::OfBristles);
+    Compute(deflection).From(*z_).As([](const JointPosition& z) { return z; });
+  } else {
+    Compute(torque).From(velocity).As(&JointFriction::Smooth);
+    Compute(deflection).From(velocity).As([](const JointVelocity& v) {
+      return JointPosition(PerJoint::Zero(v.size()));
+    });
+  }
+  Compute(energy).From(deflection).As(&JointFriction::Energy);
+  Compute(dissipation).From(deflection, velocity, torque).As(&JointFriction::Dissipate);
+}
+
+JointTorque JointFriction::Smooth(const JointVelocity& v) const {
+  JointTorque tau;
+  tau.resize(v.size());
+  for (Eigen::Index j = 0; j < v.size(); ++j)
+    tau(j) = SmoothFriction(law_, p_[static_cast<std::size_t>(j)], v(j));
+  return tau;
+}
+
+JointVelocity JointFriction::Bend(const JointPosition& z, const JointVelocity& v) const {
+  JointVelocity rate;
+  rate.resize(v.size());
+  for (Eigen::Index j = 0; j < v.size(); ++j)
+    rate(j) = BristleRate(law_, p_[static_cast<std::size_t>(j)], z(j), v(j));
+  return rate;
+}
+
+JointTorque JointFriction::OfBristles(const JointPosition& z, const JointVelocity& v) const {
+  JointTorque tau;
+  tau.resize(v.size());
+  for (Eigen::Index j = 0; j < v.size(); ++j) {
+    const FrictionParameters& p = p_[static_cast<std::size_t>(j)];
+    tau(j) = p.bristle_stiffness * z(j) + p.bristle_damping * BristleRate(law_, p, z(j), v(j)) +
+             p.viscous * v(j);
+  }
+  return tau;
+}
+
+double JointFriction::Energy(const JointPosition& z) const {
+  double sum = 0;
+  for (Eigen::Index j = 0; j < z.size(); ++j)
+    sum += 0.5 * p_[static_cast<std::size_t>(j)].bristle_stiffness * z(j) * z(j);
+  return sum;
+}
+
+double JointFriction::Dissipate(const JointPosition& z, const JointVelocity& v,
+                                const JointTorque& tau) const {
+  double power = tau.dot(v);
+  if (z_)
+    for (Eigen::Index j = 0; j < z.size(); ++j) {
+      const FrictionParameters& p = p_[static_cast<std::size_t>(j)];
+      power -= p.bristle_stiffness * z(j) * BristleRate(law_, p, z(j), v(j));
+    }
+  return power;
+}
+
+}  // namespace pliant
