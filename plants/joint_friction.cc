@@ -9,7 +9,8 @@ JointFriction::JointFriction(const Options& o)
       energy{this, "energy"},
       dissipation{this, "dissipation"},
       law_{o.law},
-      p_{o.parameters} {
+      p_{o.parameters},
+      zdot_{this, "zdot", o.joints} {
   Require(static_cast<int>(p_.size()) == o.joints.size(),
           "parameters has an element for each of the " + Text(o.joints.size()) + " joints",
           p_.size());
@@ -18,17 +19,18 @@ JointFriction::JointFriction(const Options& o)
 
   if (law_ == FrictionLaw::LuGre || law_ == FrictionLaw::ElastoPlastic) {
     z_.emplace(this, "z", o.joints);
-    Derivative(*z_).From(*z_, velocity).As(&JointFriction::Bend);
-    Compute(torque).From(*z_, velocity).As(&JointFriction::OfBristles);
+    Compute(zdot_).From(*z_, velocity).As(&JointFriction::Bend);
+    Derivative(*z_).From(zdot_).As([](const JointVelocity& zdot) { return zdot; });
     Compute(deflection).From(*z_).As([](const JointPosition& z) { return z; });
+    Compute(torque).From(*z_, zdot_, velocity).As(&JointFriction::OfBristles);
   } else {
+    const auto none = [](const JointVelocity& v) { return PerJoint(PerJoint::Zero(v.size())); };
+    Compute(deflection).From(velocity).As(none);
+    Compute(zdot_).From(velocity).As(none);
     Compute(torque).From(velocity).As(&JointFriction::Smooth);
-    Compute(deflection).From(velocity).As([](const JointVelocity& v) {
-      return JointPosition(PerJoint::Zero(v.size()));
-    });
   }
   Compute(energy).From(deflection).As(&JointFriction::Energy);
-  Compute(dissipation).From(deflection, velocity, torque).As(&JointFriction::Dissipate);
+  Compute(dissipation).From(deflection, zdot_, velocity, torque).As(&JointFriction::Dissipate);
 }
 
 JointTorque JointFriction::Smooth(const JointVelocity& v) const {
@@ -47,13 +49,13 @@ JointVelocity JointFriction::Bend(const JointPosition& z, const JointVelocity& v
   return rate;
 }
 
-JointTorque JointFriction::OfBristles(const JointPosition& z, const JointVelocity& v) const {
+JointTorque JointFriction::OfBristles(const JointPosition& z, const JointVelocity& zdot,
+                                      const JointVelocity& v) const {
   JointTorque tau;
   tau.resize(v.size());
   for (Eigen::Index j = 0; j < v.size(); ++j) {
     const FrictionParameters& p = p_[static_cast<std::size_t>(j)];
-    tau(j) = p.bristle_stiffness * z(j) + p.bristle_damping * BristleRate(law_, p, z(j), v(j)) +
-             p.viscous * v(j);
+    tau(j) = p.bristle_stiffness * z(j) + p.bristle_damping * zdot(j) + p.viscous * v(j);
   }
   return tau;
 }
@@ -65,14 +67,11 @@ double JointFriction::Energy(const JointPosition& z) const {
   return sum;
 }
 
-double JointFriction::Dissipate(const JointPosition& z, const JointVelocity& v,
-                                const JointTorque& tau) const {
+double JointFriction::Dissipate(const JointPosition& z, const JointVelocity& zdot,
+                                const JointVelocity& v, const JointTorque& tau) const {
   double power = tau.dot(v);
-  if (z_)
-    for (Eigen::Index j = 0; j < z.size(); ++j) {
-      const FrictionParameters& p = p_[static_cast<std::size_t>(j)];
-      power -= p.bristle_stiffness * z(j) * BristleRate(law_, p, z(j), v(j));
-    }
+  for (Eigen::Index j = 0; j < z.size(); ++j)
+    power -= p_[static_cast<std::size_t>(j)].bristle_stiffness * z(j) * zdot(j);
   return power;
 }
 

@@ -27,14 +27,17 @@ class JointFriction final : public Block {
 
  private:
   JointTorque Smooth(const JointVelocity& v) const;
-  JointTorque OfBristles(const JointPosition& z, const JointVelocity& v) const;
+  JointTorque OfBristles(const JointPosition& z, const JointVelocity& zdot,
+                         const JointVelocity& v) const;
   JointVelocity Bend(const JointPosition& z, const JointVelocity& v) const;
   double Energy(const JointPosition& z) const;
-  double Dissipate(const JointPosition& z, const JointVelocity& v, const JointTorque& tau) const;
+  double Dissipate(const JointPosition& z, const JointVelocity& zdot, const JointVelocity& v,
+                   const JointTorque& tau) const;
 
   const FrictionLaw law_;
   const std::vector<FrictionParameters> p_;
   std::optional<Continuous<JointPosition>> z_;
+  Output<JointVelocity> zdot_;
 };
 
 }  // namespace pliant

@@ -1,0 +1,79 @@
+#include "pliant/plants/motor_drive.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "pliant/tests/support/block_laws.h"
+#include "pliant/tests/support/error_of.h"
+
+namespace pliant {
+namespace {
+
+const Joints kTwo{"first", "second"};
+
+std::vector<ActuatorParameters> Motors(double theta) {
+  const ActuatorParameters motor{.gear_ratio = 100,
+                                 .torque_constant = 0.11,
+                                 .efficiency = 0.9,
+                                 .rotor_inertia = 0.4e-4,
+                                 .current_limit = 8,
+                                 .torque_limit = 60,
+                                 .current_time_constant = theta,
+                                 .stiffness = 25000,
+                                 .friction = {.coulomb = 0, .viscous = 0, .stiction = 0}};
+  return {motor, motor};
+}
+
+TEST(MotorDrive, LetsTheCurrentFollowAtFirstOrder) {
+  BlockTester<MotorDrive> t(
+      MotorDrive::Options{.joints = kTwo, .parameters = Motors(2e-3), .current = {1, 0}},
+      {.integrator = {.relative_tolerance = 1e-9, .absolute_tolerance = 1e-12}});
+  t.Set(t->command, {3, -20});
+  for (const double s : {0.0, 1e-3, 5e-3}) {
+    t.AdvanceTo(s);
+    const double rise = 1 - std::exp(-s / 2e-3);
+    EXPECT_NEAR(t.Get(t->current)(0), 1 + 2 * rise, 1e-8);
+    EXPECT_NEAR(t.Get(t->current)(1), -8 * rise, 1e-7) << "clamped before the lag";
+    EXPECT_NEAR(t.Get(t->torque)(0), 0.9 * 0.11 * 100 * t.Get(t->current)(0), 1e-13);
+  }
+  EXPECT_GE(t.Get(t->torque)(1), -60) << "8 A would make 79.2 N·m";
+  EXPECT_EQ(t.Get(t->saturated), 2u);
+}
+
+TEST(MotorDrive, FollowsAtOnceWithoutATimeConstant) {
+  BlockTester<MotorDrive> t({.joints = kTwo, .parameters = Motors(0)});
+  t.Set(t->command, {7.5, -9});
+  EXPECT_EQ(t.Get(t->current), PerJoint({{7.5, -8}}));
+  EXPECT_EQ(t.Get(t->torque), PerJoint({{60, -60}}));
+  EXPECT_EQ(t.Get(t->saturated), 3u) << "the first by torque, the second by current";
+  t.Set(t->command, {1, 2});
+  EXPECT_EQ(t.Get(t->saturated), 0u);
+}
+
+TEST(MotorDrive, KeepsTheLawsOfBlocks) {
+  ExpectBlockLaws(BlockTester<MotorDrive>({.joints = kTwo, .parameters = Motors(0)}));
+  ExpectBlockLaws(BlockTester<MotorDrive>({.joints = kTwo, .parameters = Motors(1e-3)}));
+}
+
+TEST(MotorDrive, RefusesWhatIsNoMotor) {
+  const auto error = [](auto change) {
+    std::vector<ActuatorParameters> p = Motors(0);
+    change(p[0]);
+    return ErrorOf([&] { MotorDrive drive({.joints = kTwo, .parameters = p}); });
+  };
+  using P = ActuatorParameters;
+  EXPECT_EQ(error([](P& p) { p.torque_constant = 0; }),
+            "first: torque_constant must be > 0 N·m/A, got 0");
+  EXPECT_EQ(error([](P& p) { p.gear_ratio = -100; }), "first: gear_ratio must be > 0, got -100");
+  EXPECT_EQ(error([](P& p) { p.efficiency = 1.1; }),
+            "first: efficiency must be above 0 to 1, got 1.1");
+  EXPECT_EQ(error([](P& p) { p.current_limit = 0; }), "first: current_limit must be > 0 A, got 0");
+  EXPECT_EQ(error([](P& p) { p.current_time_constant = -1; }),
+            "first: current_time_constant must be >= 0 s, got -1");
+  EXPECT_EQ(ErrorOf([] { MotorDrive drive({.joints = kTwo, .parameters = {}}); }),
+            "parameters has an element for each of the 2 joints, got 0");
+}
+
+}  // namespace
+}  // namespace pliant
