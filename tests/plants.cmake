@@ -16,3 +16,5 @@ target_link_options(plants_simbody_and_sundials_test PRIVATE LINKER:--exclude-li
 
 pliant_test(plants/push_test.cc LIBRARIES pliant::plants)
 pliant_test(plants/simbody_plant_test.cc LIBRARIES pliant::plants)
+pliant_test(plants/joint_sensors_test.cc LIBRARIES pliant::plants)
+pliant_test(plants/wrist_sensor_test.cc LIBRARIES pliant::plants)
