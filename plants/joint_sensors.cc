@@ -10,9 +10,9 @@ namespace pliant {
 
 namespace {
 
-/// What random numbers are for.
+/// What random numbers are for: other numbers than in other sensors, so that all may have one seed.
 enum Use : std::uint64_t {
-  kPosition,
+  kPosition = 100,
   kVelocity,
   kTorque,
   kDrift,
@@ -60,6 +60,7 @@ JointSensors::JointSensors(const Options& o)
       sigma_d_{Checked(o.torque_drift, "torque_drift", "N·m", kNotNegative, o.joints)},
       sigma_i_{Checked(o.current_noise, "current_noise", "A", kNotNegative, o.joints)},
       a_{std::exp(-h_ / o.torque_drift_time_s)},
+      fresh_{std::sqrt(-std::expm1(-2 * h_ / o.torque_drift_time_s))},
       random_{o.seed},
       last_position_{this, "last_position", o.joints},
       drift_{this, "drift", o.joints} {
@@ -102,7 +103,7 @@ JointTorque JointSensors::Drift(const JointTorque& last, double t) const {
   const std::uint64_t k = TickAt(t, h_);
   const RandomStream random = random_.Part(kDrift);
   if (k == 0) return Noisy(PerJoint::Zero(last.size()), sigma_d_, random, k);
-  return Noisy(a_ * last, std::sqrt(1 - a_ * a_) * sigma_d_, random, k);
+  return Noisy(a_ * last, fresh_ * sigma_d_, random, k);
 }
 
 JointTorque JointSensors::MeasureTorque(const JointTorque& tau, const JointTorque& drift,

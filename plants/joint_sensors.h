@@ -67,7 +67,7 @@ class JointSensors final : public Block {
 
   const double h_;
   const PerJoint quantum_, sigma_q_, alpha_, sigma_v_, sigma_tau_, bias_, sigma_d_, sigma_i_;
-  const double a_;
+  const double a_, fresh_;  // fresh = √(1 − a²)
   const RandomStream random_;
   Discrete<JointPosition> last_position_;  // q̂_{k−1}
   Output<JointTorque> drift_;              // d

@@ -14,8 +14,8 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-/// What random numbers are for.
-enum Use : std::uint64_t { kNoise, kBias };
+/// What random numbers are for: other numbers than in other sensors, so that all may have one seed.
+enum Use : std::uint64_t { kNoise = 200, kBias };
 
 constexpr int kMostSteps = 1000;  // of delay; each is a state of its own
 

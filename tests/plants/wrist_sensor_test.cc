@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "pliant/plants/joint_sensors.h"
 #include "pliant/plants/simbody_plant.h"
 #include "pliant/systems/block_tester.h"
 #include "pliant/tests/plants/arms.h"
@@ -291,6 +292,28 @@ TEST(WristSensor, HasWhiteNoiseAboutItsBias) {
       for (int lag = i == j; lag < 3; ++lag)
         EXPECT_LT(std::abs(Correlation(x, readings.col(j), lag)), MeanBound(n - lag));
   }
+}
+
+TEST(WristSensor, MayHaveTheSeedOfTheJointSensors) {
+  const int n = 20'000;
+  const RobotModel m = Gen3Bota();
+  JointSensors::Options joints = Gen3JointSensors(m.joints(), 1ms, 17);
+  joints.current_noise = PerJoint::Ones(7);
+  BlockTester<JointSensors> t(joints);
+  t.Set(t->position, JointPosition::Zero(m.joints()));
+  t.Set(t->velocity, JointVelocity::Zero(m.joints()));
+  t.Set(t->torque, JointTorque::Zero(m.joints()));
+  Loaded sensor(SensOne(m, 17));
+  MatrixXd wrist(n, 6), arm(n, 21);
+  for (int k = 0; k < n; ++k) {
+    wrist.row(k) = sensor.Tick(0.0).transpose();
+    t.Tick();
+    arm.row(k) << t.Get(t->measured_position).transpose(), t.Get(t->measured_torque).transpose(),
+        t.Get(t->measured_current).transpose();
+  }
+  for (int i = 0; i < 6; ++i)
+    for (int j = 0; j < 21; ++j)
+      EXPECT_LT(std::abs(Correlation(wrist.col(i), arm.col(j))), MeanBound(n)) << i << " and " << j;
 }
 
 TEST(WristSensor, OfTheSensOneHasItsFigures) {
