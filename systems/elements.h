@@ -1,7 +1,12 @@
 #pragma once
 
+#include <cstddef>
+#include <string>
+#include <string_view>
 #include <type_traits>
+#include <vector>
 
+#include "pliant/systems/parameter.h"
 #include "pliant/systems/value_type.h"
 
 /// Laws for one number, applied to each element of a signal; a double is its own only element.
@@ -68,6 +73,19 @@ double Smallest(const X& x) {
   } else {
     return x.size() ? x.minCoeff() : 0;
   }
+}
+
+/// Throws "<name>[elbow] must be >= 0 N·m, got -1" for the first element out of its range; the
+/// elements have the names the space gives them.
+template <class X>
+void RequireEachInRange(std::string_view name, const X& x, std::string_view unit,
+                        const Range& range, const Space& space = {}) {
+  std::vector<internal::Column> columns;
+  std::vector<double> numbers;
+  internal::Columns(x, space, std::string(name), unit, columns);
+  internal::Numbers(x, numbers);
+  for (std::size_t i = 0; i < numbers.size(); ++i)
+    RequireInRange("", columns[i].name, numbers[i], columns[i].unit, range);
 }
 
 }  // namespace pliant

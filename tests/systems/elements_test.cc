@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <type_traits>
+
+#include "pliant/tests/support/error_of.h"
 
 namespace pliant {
 namespace {
@@ -19,6 +22,18 @@ TEST(PerElement, IsThePlainTypeOfASignal) {
   static_assert(std::is_same_v<PerElement<PerJoint>, PerJoint>);
   static_assert(std::is_same_v<PerElement<Wrench>, Eigen::Matrix<double, 6, 1>>);
   static_assert(std::is_same_v<PerElement<double>, double>);
+}
+
+TEST(RequireEachInRange, NamesTheElementWithItsUnit) {
+  const Joints joints{"shoulder", "elbow"};
+  const auto error = [](const auto& x, std::string_view unit, const Space& space) {
+    return ErrorOf([&] { RequireEachInRange("x", x, unit, kNotNegative, space); });
+  };
+  EXPECT_EQ(error(PerJoint{{0.0, 1.0}}, "N·m", joints), "no error");
+  EXPECT_EQ(error(PerJoint{{0.0, -1.0}}, "N·m", joints), "x[elbow] must be >= 0 N·m, got -1");
+  EXPECT_EQ(error(PerJoint{{NAN, -1.0}}, "", {}), "x[0] must be >= 0, got nan");
+  EXPECT_EQ(error(Wrench{0, 0, 0, 0, -2, 0}, "N·m, N", {}), "x[fy] must be >= 0 N, got -2");
+  EXPECT_EQ(error(-3.0, "m", {}), "x must be >= 0 m, got -3");
 }
 
 }  // namespace
