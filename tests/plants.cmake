@@ -16,3 +16,8 @@ target_link_options(plants_simbody_and_sundials_test PRIVATE LINKER:--exclude-li
 
 pliant_test(plants/push_test.cc LIBRARIES pliant::plants)
 pliant_test(plants/simbody_plant_test.cc LIBRARIES pliant::plants)
+pliant_test(plants/link_force_test.cc LIBRARIES pliant::plants)
+pliant_test(plants/hand_test.cc LIBRARIES pliant::plants)
+pliant_test(plants/mass_on_rope_test.cc LIBRARIES pliant::plants)
+pliant_test(plants/surface_test.cc LIBRARIES pliant::plants)
+pliant_test(plants/joint_stops_test.cc LIBRARIES pliant::plants)
