@@ -1,6 +1,7 @@
 #include "pliant/plants/mass_on_rope.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <tuple>
 
@@ -31,7 +32,8 @@ MassOnRope::MassOnRope(const Options& o)
       catches_{this, "caught"},
       released_{this, "released"},
       rope_{this, "rope"},
-      grip_{this, "grip"} {
+      grip_{this, "grip"},
+      T_{this, "T"} {
   Require(o.point.allFinite(), "point must be finite", o.point.transpose());
   Require(o.position.allFinite(), "position must be finite", o.position.transpose());
   Require(o.velocity.allFinite(), "velocity must be finite", o.velocity.transpose());
@@ -48,20 +50,20 @@ MassOnRope::MassOnRope(const Options& o)
   });
   Compute(rope_).From(position, velocity, motion).As(&MassOnRope::Span);
 
-  Compute(grip_).From(rope_).As(&MassOnRope::Grip);
-  // A rope that starts just straight leaves zero to either side without an event.
-  AtStart().Update(taut_).From(grip_).As([](double grip) { return grip >= 0; });
+  Compute(grip_).From(taut_, rope_).As(&MassOnRope::Grip);
+  AtStart().Update(taut_).From(rope_).As(&MassOnRope::StartsTaut);
   When(grip_).Crosses(Direction::Rising).Update(taut_, catches_).From(catches_).As([](int n) {
     return std::tuple(true, n + 1);
   });
   When(grip_).Crosses(Direction::Falling).Update(taut_).From().As([] { return false; });
-  Compute(taut).From(taut_, grip_).As([](bool is, double grip) { return is && grip >= 0; });
+  Compute(taut).From(taut_).As([](bool is) { return is; });
   Compute(catches).From(catches_).As([](int n) { return n; });
 
-  Compute(tension).From(taut_, rope_).As(&MassOnRope::Pull);
-  Compute(contact).From(tension, rope_).As(&MassOnRope::Act);
+  Compute(T_).From(taut_, rope_).As(&MassOnRope::Pull);
+  Compute(tension).From(T_).As([](double T) { return std::max(0.0, T); });
+  Compute(contact).From(T_, rope_).As(&MassOnRope::Act);
   Derivative(x_).From(velocity).As([](const LinearVelocity& v) { return v; });
-  Derivative(v_).From(released_, tension, rope_).As(&MassOnRope::Accelerate);
+  Derivative(v_).From(released_, T_, rope_).As(&MassOnRope::Accelerate);
   Compute(energy).From(rope_, position, velocity).As(&MassOnRope::Store);
   Compute(dissipation).From(tension, rope_).As(&MassOnRope::Dissipate);
 }
@@ -76,12 +78,17 @@ MassOnRope::Rope MassOnRope::Span(const Position& x, const LinearVelocity& v,
   return {u, length - L_, u.dot(v - a.velocity)};
 }
 
-double MassOnRope::Grip(const Rope& rope) const {
-  return k_ * rope.delta + d_ * std::min(0.0, rope.delta_dot);
+bool MassOnRope::StartsTaut(const Rope& rope) const { return Grip(true, rope) > 0; }
+
+double MassOnRope::Grip(const bool& is_taut, const Rope& rope) const {
+  const double grip = k_ * rope.delta + d_ * std::min(0.0, rope.delta_dot);
+  // Zero belongs to what the rope is, so that one which starts just straight can become slack.
+  return grip != 0 ? grip : std::copysign(std::numeric_limits<double>::min(), is_taut ? 1 : -1);
 }
 
+// Not clipped: a step that looks beyond the end of a taut phase must not meet a kink there.
 double MassOnRope::Pull(const bool& is_taut, const Rope& rope) const {
-  return is_taut && rope.delta >= 0 ? std::max(0.0, k_ * rope.delta + d_ * rope.delta_dot) : 0.0;
+  return is_taut ? k_ * rope.delta + d_ * rope.delta_dot : 0.0;
 }
 
 LinearAcceleration MassOnRope::Accelerate(const bool& released, const double& T,

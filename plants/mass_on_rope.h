@@ -74,7 +74,8 @@ class MassOnRope final : public Block {
   };
 
   Rope Span(const Position& x, const LinearVelocity& v, const RobotDynamics& d) const;
-  double Grip(const Rope& rope) const;
+  bool StartsTaut(const Rope& rope) const;
+  double Grip(const bool& taut, const Rope& rope) const;
   double Pull(const bool& taut, const Rope& rope) const;
   LinearAcceleration Accelerate(const bool& released, const double& T, const Rope& rope) const;
   ContactForce Act(const double& T, const Rope& rope) const;
@@ -91,7 +92,8 @@ class MassOnRope final : public Block {
   Discrete<int> catches_;
   Output<bool> released_;
   Output<Rope> rope_;
-  Output<double> grip_;  // k δ + d min(0, δ̇)
+  Output<double> grip_;  // k δ + d min(0, δ̇), never 0
+  Output<double> T_;     // of the phase: not below 0 but by round-off, and while it is looked ahead
 };
 
 }  // namespace pliant

@@ -114,7 +114,8 @@ TEST(JointStops, CatchAnArmThatFallsOnThem) {
   const JointStops::Options o{
       .model = m, .stiffness = PerJoint::Constant(7, 2000), .damping = PerJoint::Constant(7, 0.3)};
   Stopped s({.model = m,
-             .position = {0, 1.6, 0, 1.9, 0, 1.6, 0},
+             .position = {0, 1.6, 0, 2.45, 0, 2.0, 0},
+             .velocity = {0, 0, 0, 2, 0, 2, 0},
              .damping = PerJoint::Constant(7, 0.4),
              .rotor_inertia = PerJoint::Constant(7, 0.2)},
             o);
@@ -133,7 +134,8 @@ TEST(JointStops, CatchAnArmThatFallsOnThem) {
     last = sim.Get(s.balance.stored);
   }
   EXPECT_GT(met(1), 0);
-  EXPECT_GT(met(3) + met(5), 0);
+  EXPECT_GT(met(3), 0);
+  EXPECT_GT(met(5), 0);
   // ½ k p² is at most the energy of the fall, about 100 J.
   EXPECT_LT(deepest, std::sqrt(2 * 100.0 / 2000));
   EXPECT_NEAR(sim.Get(s.balance.total), total, 1e-6);  // 1e-11 of 100 J, 8000 steps

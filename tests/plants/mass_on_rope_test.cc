@@ -12,6 +12,7 @@
 #include "pliant/tests/plants/energy_balance.h"
 #include "pliant/tests/support/block_laws.h"
 #include "pliant/tests/support/error_of.h"
+#include "pliant/tests/support/temporary_directory.h"
 
 namespace pliant {
 namespace {
@@ -193,6 +194,28 @@ TEST(MassOnRope, NeverPushesAndNeverMakesEnergy) {
   EXPECT_GT(catches, 50);
 }
 
+TEST(MassOnRope, StartsStraightAndGoesEitherWay) {
+  for (const double damping : {0.0, 10.0})
+    for (const double up : {-1.0, 0.0, 1.0}) {
+      MassOnRope::Options o = Hung();
+      o.point = {0, 0, 1};
+      o.length = 0.5;
+      o.position = {0, 0, 0.5};
+      o.velocity = {0, 0, up};
+      o.damping = damping;
+      Hanging h(o);
+      h.AdvanceTo(0.01);
+      EXPECT_EQ(h.Get(h->taut), up <= 0) << damping << ' ' << up;
+      EXPECT_GE(h.Get(h->tension), 0);
+      if (up > 0) {
+        EXPECT_NEAR(h.Get(h->position)(2), 0.5 + 0.01 - 0.5 * kGravity * 1e-4, 1e-9);
+        h.AdvanceTo(2 / kGravity + 1e-6);
+        EXPECT_TRUE(h.Get(h->taut)) << damping;
+      }
+      EXPECT_EQ(h.Get(h->catches), up > 0) << damping;
+    }
+}
+
 TEST(MassOnRope, KeepsTheMomentumOfTwoMasses) {
   const RobotModel m = Gantry(3).WithGravity({0, 0, 0});
   MassOnRope::Options o = Hung();
@@ -256,6 +279,23 @@ TEST(MassOnRope, SettlesWithoutZenoBehaviour) {
         EXPECT_TRUE(h.Get(h->taut)) << k << ' ' << zeta;
       }
     }
+}
+
+TEST(MassOnRope, GoesOnFromAFileAsItWouldHaveGoneOn) {
+  MassOnRope::Options o = Hung();
+  o.position = {0.2, 0.1, 1.7};
+  o.damping = 3;
+  const TemporaryDirectory directory;
+  Hanging h(o);
+  Simulator& sim = h.tester.simulator();
+  h.AdvanceTo(1.2345);
+  sim.Save(directory.path() / "under_way");
+  h.AdvanceTo(3);
+  EXPECT_GT(h.Get(h->catches), 2);
+  const Context end = sim.Snapshot();
+  sim.Restore(directory.path() / "under_way");
+  h.AdvanceTo(3);
+  EXPECT_TRUE(sim.Snapshot() == end);
 }
 
 TEST(MassOnRope, KeepsTheLaws) {

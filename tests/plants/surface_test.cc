@@ -180,6 +180,26 @@ TEST(Surface, NeverMakesEnergy) {
   EXPECT_GT(touches, 30);
 }
 
+TEST(Surface, LetsABallSettleWithoutZenoBehaviour) {
+  // The last rebound needs a speed of about g √(m/k), so it lasts as long as the contact itself.
+  const RobotModel m = Gantry(kMass);
+  for (const double k : {1e3, 1e5, 1e7})
+    for (const double c : {0.5, 5.0, 50.0}) {
+      Surface::Options o = Ground(m);
+      o.stiffness = k;
+      o.damping = c;
+      Scene s({.model = m, .position = {0, 0, 0.1}});
+      auto& ground = s.AddContact<Surface>("ground", o);
+      const Diagram diagram = s.b.Build();
+      Simulator sim(diagram, {.integrator = {.method = Method::kDormandPrince}});
+      EXPECT_EQ(ErrorOf([&] { sim.AdvanceTo(4); }), "no error") << k << ' ' << c;
+      // Bounces of speed v die out with ⅓ c g, what is left of the motion with ½ c g.
+      if (c >= 5) {
+        EXPECT_NEAR(sim.Get(ground.normal_force), kMass * kGravity, 0.02) << k << ' ' << c;
+      }
+    }
+}
+
 TEST(Surface, TouchesTheDeepestPointOfATipThatIsTurned) {
   const RobotModel m = Gen3();
   RandomStates random(m, 3);
