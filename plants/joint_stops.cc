@@ -1,0 +1,81 @@
+#include "pliant/plants/joint_stops.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "pliant/systems/parameter.h"
+
+namespace pliant {
+
+namespace {
+
+/// x, or `otherwise` where it was left out; checked to have an element per joint.
+template <class V>
+V OrElse(const V& x, const V& otherwise, const std::string& name) {
+  Require(x.size() == 0 || x.size() == otherwise.size(),
+          name + " has an element for each of the " + Text(otherwise.size()) + " joints", x.size());
+  return x.size() == 0 ? otherwise : x;
+}
+
+/// ṗ, where p is signed by the end of the range it is beyond.
+double Deepening(double p, double v) { return p > 0 ? v : -v; }
+
+}  // namespace
+
+JointStops::JointStops(const Options& o)
+    : position{this, "position", o.model.joints()},
+      velocity{this, "velocity", o.model.joints()},
+      torque{this, "torque", o.model.joints()},
+      penetration{this, "penetration", o.model.joints()},
+      stopped{this, "stopped"},
+      energy{this, "energy"},
+      dissipation{this, "dissipation"},
+      lower_{OrElse(o.lower, o.model.lower_limit(), "lower")},
+      upper_{OrElse(o.upper, o.model.upper_limit(), "upper")},
+      k_{o.stiffness},
+      c_{OrElse(o.damping, PerJoint(PerJoint::Zero(o.model.size())), "damping")} {
+  Require(k_.size() == o.model.size(),
+          "stiffness has an element for each of the " + Text(o.model.size()) + " joints",
+          k_.size());
+  for (int i = 0; i < o.model.size(); ++i) {
+    const std::string of_joint = " of " + o.model.joint(i).name;
+    const bool slides = o.model.joint(i).type == Joint::Type::Prismatic;
+    RequireInRange("", "stiffness" + of_joint, k_(i), slides ? "N/m" : "N·m/rad", kPositive);
+    RequireInRange("", "damping" + of_joint, c_(i), slides ? "s/m" : "s/rad", kNotNegative);
+    Require(lower_(i) < upper_(i), "lower" + of_joint + " must be < upper = " + Text(upper_(i)),
+            lower_(i));
+  }
+
+  Compute(penetration).From(position).As(&JointStops::Penetrate);
+  Compute(torque).From(penetration, velocity).As(&JointStops::Push);
+  Compute(stopped).From(penetration).As([](const JointPosition& p) {
+    return static_cast<int>((p.array() != 0).count());
+  });
+  Compute(energy).From(penetration).As(&JointStops::Store);
+  Compute(dissipation).From(penetration, velocity).As(&JointStops::Dissipate);
+}
+
+JointPosition JointStops::Penetrate(const JointPosition& q) const {
+  return q - q.cwiseMin(upper_).cwiseMax(lower_);
+}
+
+JointTorque JointStops::Push(const JointPosition& p, const JointVelocity& v) const {
+  JointTorque tau = JointTorque(-k_.cwiseProduct(p));
+  for (Eigen::Index i = 0; i < p.size(); ++i)
+    tau(i) *= std::max(0.0, 1 + c_(i) * Deepening(p(i), v(i)));
+  return tau;
+}
+
+double JointStops::Store(const JointPosition& p) const { return 0.5 * p.dot(k_.cwiseProduct(p)); }
+
+double JointStops::Dissipate(const JointPosition& p, const JointVelocity& v) const {
+  double sum = 0;
+  for (Eigen::Index i = 0; i < p.size(); ++i) {
+    const double p_dot = Deepening(p(i), v(i));
+    sum += k_(i) * std::abs(p(i)) * p_dot * std::max(c_(i) * p_dot, -1.0);
+  }
+  return sum;
+}
+
+}  // namespace pliant
