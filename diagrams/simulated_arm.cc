@@ -1,5 +1,8 @@
 #include "pliant/diagrams/simulated_arm.h"
 
+#include "pliant/systems/constant.h"
+#include "pliant/systems/hold.h"
+
 namespace pliant {
 
 namespace {
@@ -8,34 +11,39 @@ namespace {
 class EnergySum final : public Block {
  public:
   EnergySum()
-      : links{this, "links"},
-        actuators{this, "actuators"},
+      : energies{this, "energies"},
         dissipations{this, "dissipations"},
         energy{this, "energy"},
         dissipation{this, "dissipation"} {
-    Compute(energy).From(links, actuators).As([](double a, double b) { return a + b; });
-    Compute(dissipation).From(dissipations).As([](const Joined<double>& parts) {
+    const auto sum = [](const Joined<double>& parts) {
       double all = 0;
       for (int i = 0; i < parts.size(); ++i) all += parts[i];
       return all;
-    });
+    };
+    Compute(energy).From(energies).As(sum);
+    Compute(dissipation).From(dissipations).As(sum);
   }
-  Input<double> links, actuators;
-  InputList<double> dissipations;
+  InputList<double> energies, dissipations;
   Output<double> energy, dissipation;
 };
 
-/// Mode and saturation, sampled.
 class StatusSensor final : public Block {
  public:
   explicit StatusSensor(Duration period)
-      : mode{this, "mode"}, saturated{this, "saturated"}, status{this, "status"} {
-    Every(period).Compute(status).From(mode, saturated).As([](ControlMode m, JointBits bits) {
-      return ArmStatus{m, bits};
-    });
+      : mode{this, "mode"},
+        saturated{this, "saturated"},
+        stopped{this, "stopped", {}, 0},
+        status{this, "status"} {
+    Every(period)
+        .Compute(status)
+        .From(mode, saturated, stopped)
+        .As([](ControlMode m, JointBits bits, int stops) {
+          return ArmStatus{m, bits, stops};
+        });
   }
   Input<ControlMode> mode;
   Input<JointBits> saturated;
+  Input<int> stopped;
   Output<ArmStatus> status;
 };
 
@@ -73,6 +81,7 @@ SimulatedArm::SimulatedArm(const Options& o)
       measured_velocity{this, "measured_velocity", o.model.joints()},
       measured_torque{this, "measured_torque", o.model.joints()},
       measured_current{this, "measured_current", o.model.joints()},
+      wrench{this, "wrench", o.wrist ? Frame(o.wrist->frame) : Frame()},
       status{this, "status"},
       position{this, "position", o.model.joints()},
       velocity{this, "velocity", o.model.joints()},
@@ -112,11 +121,44 @@ SimulatedArm::SimulatedArm(const Options& o)
   auto& sensors = Add<JointSensors>("sensors", sampled);
   auto& status_sensor = Add<StatusSensor>("status", o.period);
   auto& sum = Add<EnergySum>("energy");
+  if (o.wrist) {
+    auto& wrist = Add<WristSensor>("wrist", *o.wrist);
+    Connect(plant.motion, wrist.motion);
+    Connect(plant.acceleration, wrist.acceleration);
+    Connect(contacts, wrist.contacts);
+    Connect(wrist.wrench, wrench);
+  } else {
+    auto& none = Add<Constant<Wrench>>("wrist", {.value = Wrench()});
+    Connect(none.y, wrench);
+  }
+  if (o.stops) {
+    auto& stops = Add<JointStops>("stops", *o.stops);
+    Connect(plant.position, stops.position);
+    Connect(plant.velocity, stops.velocity);
+    Connect(stops.torque, plant.loads);
+    Connect(stops.stopped, status_sensor.stopped);
+    Connect(stops.energy, sum.energies);
+    Connect(stops.dissipation, sum.dissipations);
+  }
 
-  Connect(mode, firmware.mode);
-  Connect(position_command, firmware.position_command);
-  Connect(torque_command, firmware.torque_command);
-  Connect(current_command, firmware.current_command);
+  const auto pass = [&]<class S>(const std::string& name, const auto& from, auto& to,
+                                 const S& before,
+                                 const typename internal::SpaceOf<S>::type& space) {
+    if (o.interface_period == Duration{} || o.interface_period == o.period) {
+      Connect(from, to);
+    } else {
+      auto& hold =
+          Add<Hold<S>>(name, {.space = space, .before = before, .period = o.interface_period});
+      Connect(from, hold.u);
+      Connect(hold.y, to);
+    }
+  };
+  pass("mode", mode, firmware.mode, o.firmware.mode, {});
+  pass("position_command", position_command, firmware.position_command, o.position, joints);
+  pass("torque_command", torque_command, firmware.torque_command, JointTorque::Zero(joints),
+       joints);
+  pass("current_command", current_command, firmware.current_command, MotorCurrent::Zero(joints),
+       joints);
   Connect(firmware.current, actuators.command);
   Connect(actuators.torque, plant.torque);
   Connect(contacts, plant.contacts);
@@ -128,21 +170,25 @@ SimulatedArm::SimulatedArm(const Options& o)
   Connect(plant.position, sensors.position);
   Connect(plant.velocity, sensors.velocity);
   Connect(actuators.joint_torque, sensors.torque);
+  Connect(actuators.current, sensors.current);
   Connect(sensors.measured_position, firmware.position);
   Connect(actuators.motor_velocity, firmware.motor_velocity);
   Connect(sensors.measured_torque, firmware.torque);
   Connect(firmware.active, status_sensor.mode);
   Connect(actuators.saturated, status_sensor.saturated);
-  Connect(plant.energy, sum.links);
-  Connect(actuators.energy, sum.actuators);
+  Connect(plant.energy, sum.energies);
+  Connect(actuators.energy, sum.energies);
   Connect(plant.dissipation, sum.dissipations);
   Connect(actuators.dissipation, sum.dissipations);
 
-  Connect(sensors.measured_position, measured_position);
-  Connect(sensors.measured_velocity, measured_velocity);
-  Connect(sensors.measured_torque, measured_torque);
-  Connect(actuators.current, measured_current);
-  Connect(status_sensor.status, status);
+  pass("measured_position", sensors.measured_position, measured_position, o.position, joints);
+  pass("measured_velocity", sensors.measured_velocity, measured_velocity,
+       JointVelocity::Zero(joints), joints);
+  pass("measured_torque", sensors.measured_torque, measured_torque, JointTorque::Zero(joints),
+       joints);
+  pass("measured_current", sensors.measured_current, measured_current, MotorCurrent::Zero(joints),
+       joints);
+  pass("measured_status", status_sensor.status, status, ArmStatus{}, {});
   Connect(plant.position, position);
   Connect(plant.velocity, velocity);
   Connect(plant.acceleration, acceleration);

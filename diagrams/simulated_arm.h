@@ -1,12 +1,15 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "pliant/controllers/arm_firmware.h"
 #include "pliant/plants/actuators.h"
 #include "pliant/plants/joint_sensors.h"
+#include "pliant/plants/joint_stops.h"
 #include "pliant/plants/simbody_plant.h"
+#include "pliant/plants/wrist_sensor.h"
 #include "pliant/systems/composite.h"
 
 namespace pliant {
@@ -18,11 +21,13 @@ struct ArmStatus {
 
   ControlMode mode = ControlMode::Current;  ///< the one that acts
   JointBits saturated = 0;                  ///< joints whose current or torque is cut
+  int stopped = 0;                          ///< how many joints are at a hard stop
 
   template <class Visitor>
   void Fields(Visitor&& f) {
     f("mode", mode, "");
     f("saturated", saturated, "");
+    f("stopped", stopped, "");
   }
 };
 
@@ -41,15 +46,18 @@ class SimulatedArm final : public Composite {
  public:
   struct Options {
     RobotModel model;
-    JointPosition position;         ///< q at the start [rad]
-    JointVelocity velocity = {};    ///< v at the start [rad/s]; empty: at rest
-    PerJoint damping = {};          ///< of the links' bearings [N·m·s/rad]; empty: none
-    ArmActuators actuators = {};    ///< without joints: ideal, without rotors
+    JointPosition position;              ///< q at the start [rad]
+    JointVelocity velocity = {};         ///< v at the start [rad/s]; empty: at rest
+    PerJoint damping = {};               ///< of the links' bearings [N·m·s/rad]; empty: none
+    ArmActuators actuators = {};         ///< without joints: ideal, without rotors
     JointSensors::Options sensors = {};  ///< joints and period are filled in
     ArmFirmware::Options firmware = {};  ///< joints, κ, limits and period too; and gains left empty
+    std::optional<WristSensor::Options> wrist = {};  ///< none: `wrench` stays zero
+    std::optional<JointStops::Options> stops = {};   ///< none: joints turn beyond their limits
     std::vector<std::string> frames = {};  ///< links shown by `motion`, at most kMaxFrames
     SimbodyPlant::Engine engine = SimbodyPlant::Engine::Simbody;
-    Duration period = 1ms;  ///< of firmware and sensors
+    Duration period = 1ms;           ///< of firmware and sensors
+    Duration interface_period = {};  ///< of commands and measurements outside; 0: the same
   };
 
   explicit SimulatedArm(const Options& o);
@@ -65,6 +73,7 @@ class SimulatedArm final : public Composite {
   Output<JointVelocity> measured_velocity;
   Output<JointTorque> measured_torque;
   Output<MotorCurrent> measured_current;
+  Output<Wrench> wrench;  ///< in the wrist sensor's frame
   Output<ArmStatus> status;
 
   Output<JointPosition> position;  ///< what the plant does, not what sensors say of it

@@ -16,11 +16,13 @@ struct StationOptions {
 };
 
 /// Kinova Gen3, 7 joints, with models/gen3/actuators.yaml: motors, friction, elastic gears, noisy
-/// sensors. 1 kHz. The model is any of the Gen3, such as one with a sensor or a payload.
+/// sensors, hard stops, and the wrist sensor if the model has one. 1 kHz. The model is any of the
+/// Gen3, such as one with a payload.
 SimulatedArm::Options SimulatedGen3(const RobotModel& model, const StationOptions& o);
 
-/// KUKA LWR IV+ with models/lwr/actuators.yaml. It carries its own weight in torque and position
-/// mode.
+/// KUKA LWR IV+ with models/lwr/actuators.yaml and hard stops. It carries its own weight in torque
+/// and position mode. Its interface passes commands and measurements on every 5 ms; inside it runs
+/// at 1 kHz.
 SimulatedArm::Options SimulatedLwr(const RobotModel& model, const StationOptions& o);
 
 /// The torque loop of Muraccioli et al. 2025 (RSS) for these actuators, friction known: λ = 5,
