@@ -2,9 +2,17 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "pliant/diagrams/stations.h"
+#include "pliant/plants/link_force.h"
 #include "pliant/systems/block_tester.h"
 #include "pliant/systems/diagram.h"
+#include "pliant/systems/integral.h"
 #include "pliant/systems/simulator.h"
+#include "pliant/systems/sine.h"
 #include "pliant/tests/plants/arms.h"
 
 namespace pliant {
@@ -74,6 +82,196 @@ TEST(SimulatedArm, AcceleratesByTheNewCommandFromItsTickOn) {
               1e-12);
     EXPECT_EQ(sim.Get(arm.measured_position), sim.Get(arm.position));
   }
+}
+
+const JointPosition kHome{0, 0.2618, std::numbers::pi, -2.2689, 0, 0.9599, std::numbers::pi / 2};
+
+const JointPosition kLwrStart{0, 0.698, 0, -1.571, 0, 0.873, 0};
+
+/// A Gen3 station that is driven by currents, with an account of its energy.
+struct Account {
+  struct Drive final : Block {
+    explicit Drive(const Joints& joints) : current{this, "current", joints} {
+      Every(1ms).Compute(current).From(clock).As(&Drive::At);
+    }
+    Output<MotorCurrent> current;
+
+   private:
+    MotorCurrent At(double t) const {
+      const PerJoint phase = PerJoint::LinSpaced(7, 0, 3);
+      return (phase.array() + 7 * t).sin().matrix();
+    }
+  };
+
+  static SimulatedArm::Options Options(Transmission transmission, FrictionLaw friction) {
+    SimulatedArm::Options o =
+        SimulatedGen3(Gen3(), {.position = kHome, .engine = SimbodyPlant::Engine::Recursive});
+    o.actuators.transmission = transmission;
+    o.actuators.friction = friction;
+    o.firmware.mode = ControlMode::Current;
+    return o;
+  }
+
+  explicit Account(const SimulatedArm::Options& o) {
+    DiagramBuilder b;
+    arm = &b.Add<SimulatedArm>("arm", o);
+    auto& drive = b.Add<Drive>("drive", o.model.joints());
+    auto& hand = b.Add<LinkForce>("hand", {.model = o.model, .link = "forearm_link"});
+    auto& force = b.Add<Sine<Force>>("force", {.amplitude = {10, 20, -5}, .frequency_hz = 1});
+    work = &b.Add<Integral<double>>("work", {});
+    pushed = &b.Add<Integral<double>>("pushed", {});
+    lost = &b.Add<Integral<double>>("lost", {});
+    b.Connect(drive.current, arm->current_command);
+    b.Connect(force.y, hand.force);
+    b.Connect(hand.contact, arm->contacts);
+    b.Connect(arm->motion, hand.motion);
+    b.Connect(arm->power, work->u);
+    b.Connect(hand.power, pushed->u);
+    b.Connect(arm->dissipation, lost->u);
+    diagram.emplace(b.Build());
+  }
+
+  SimulatedArm* arm;
+  Integral<double>*work, *pushed, *lost;
+  std::optional<Diagram> diagram;
+};
+
+TEST(SimulatedArm, KeepsAccountOfItsEnergy) {
+  for (const Transmission transmission : {Transmission::Rigid, Transmission::Elastic})
+    for (const FrictionLaw friction : {FrictionLaw::None, FrictionLaw::Stribeck, FrictionLaw::LuGre,
+                                       FrictionLaw::ElastoPlastic}) {
+      const Account run(Account::Options(transmission, friction));
+      Simulator sim(*run.diagram, {.integrator = {.method = Method::kDormandPrince,
+                                                  .relative_tolerance = 1e-7,
+                                                  .absolute_tolerance = 1e-9}});
+      const double start = sim.Get(run.arm->energy);
+      sim.AdvanceTo(1);
+      const double in = sim.Get(run.work->y) + sim.Get(run.pushed->y);
+      const double change = sim.Get(run.arm->energy) - start, lost = sim.Get(run.lost->y);
+      const double turned_over =
+          std::abs(sim.Get(run.work->y)) + std::abs(sim.Get(run.pushed->y)) + lost;
+      EXPECT_GT(turned_over, 1);
+      EXPECT_NEAR(in, change + lost, 1e-5 * turned_over)
+          << static_cast<int>(transmission) << ' ' << static_cast<int>(friction);
+      EXPECT_GE(lost, friction == FrictionLaw::None ? 0 : 0.1);
+    }
+}
+
+/// A station alone, its commands set by hand.
+struct Station {
+  explicit Station(const SimulatedArm::Options& o) {
+    DiagramBuilder b;
+    arm = &b.Add<SimulatedArm>("arm", o);
+    diagram.emplace(b.Build());
+    sim.emplace(*diagram, Simulator::Options{.integrator = {.method = Method::kDormandPrince}});
+  }
+  SimulatedArm* arm;
+  std::optional<Diagram> diagram;
+  std::optional<Simulator> sim;
+};
+
+TEST(SimulatedArm, StandsWhereItIsWhenItsBrakesLetGo) {
+  for (const bool lwr : {false, true})
+    for (const Transmission transmission : {Transmission::Rigid, Transmission::Elastic}) {
+      const RobotModel m = lwr ? Lwr() : Gen3();
+      const JointPosition start = lwr ? kLwrStart : kHome;
+      const StationOptions where{.position = start, .engine = SimbodyPlant::Engine::Recursive};
+      SimulatedArm::Options o = lwr ? SimulatedLwr(m, where) : SimulatedGen3(m, where);
+      o.actuators.transmission = transmission;
+      o.sensors = {};  // without bias
+      o.firmware.mode = ControlMode::Position;
+      Station run(o);
+      run.sim->AdvanceTo(2);
+      // The rotors carry the weight from the start; what is left is the settling of bristles, a
+      // part of their half millirad.
+      EXPECT_LT((run.sim->Get(run.arm->position) - start).cwiseAbs().maxCoeff(), 1e-5)
+          << m.name() << static_cast<int>(transmission);
+      EXPECT_EQ(run.sim->Get(run.arm->status).mode, ControlMode::Position);
+    }
+}
+
+TEST(SimulatedArm, GoesWhereItIsTold) {
+  const RobotModel m = Gen3();
+  SimulatedArm::Options o =
+      SimulatedGen3(m, {.position = kHome, .engine = SimbodyPlant::Engine::Recursive});
+  o.firmware.mode = ControlMode::Position;
+  Station run(o);
+  const PerJoint step = PerJoint::Constant(7, 0.1);
+  for (int k = 1; k <= 1000; ++k) {
+    run.sim->AdvanceThroughTick();
+    run.sim->Set(run.arm->position_command, kHome + step * (0.5 - 0.5 * std::cos(k * 3.1416e-3)));
+  }
+  run.sim->AdvanceTo(3);
+  // The integral overcomes stiction but for the encoders' noise of 10⁻⁵ rad.
+  EXPECT_LT((run.sim->Get(run.arm->position) - kHome - step).cwiseAbs().maxCoeff(), 2e-4);
+}
+
+TEST(SimulatedArm, OfKukaCarriesItsWeightUnderATorqueCommand) {
+  const RobotModel m = Lwr();
+  SimulatedArm::Options o =
+      SimulatedLwr(m, {.position = kLwrStart, .engine = SimbodyPlant::Engine::Recursive});
+  Station run(o);
+  run.sim->Set(run.arm->torque_command, JointTorque{0, 0, 0, 5, 0, 0, 0});
+  run.sim->AdvanceTo(0.3);
+  const PerJoint moved = run.sim->Get(run.arm->position) - kLwrStart;
+  EXPECT_GT(moved(3), 0.02) << "5 N·m against 0.3 N·m of friction";
+  // Between two ticks of its interface nothing changes outside.
+  const JointPosition shown = run.sim->Get(run.arm->measured_position);
+  run.sim->AdvanceTo(0.3046);
+  const JointPosition later = run.sim->Get(run.arm->measured_position);
+  EXPECT_NE(later, shown) << "the tick at 0.3 s was not shown yet";
+  run.sim->AdvanceTo(0.3049);
+  EXPECT_EQ(run.sim->Get(run.arm->measured_position), later);
+}
+
+TEST(SimulatedArm, TellsWhatIsSaturatedAndStopped) {
+  const RobotModel m = Gen3();
+  JointPosition at_stop = kHome;
+  at_stop(3) = -2.57;
+  SimulatedArm::Options o =
+      SimulatedGen3(m, {.position = at_stop, .engine = SimbodyPlant::Engine::Recursive});
+  o.firmware.mode = ControlMode::Current;
+  Station run(o);
+  run.sim->Set(run.arm->current_command, MotorCurrent{0, 0, 0, -20, 0, 0, 0});
+  run.sim->AdvanceTo(0.2);
+  EXPECT_EQ(run.sim->Get(run.arm->status).saturated, 8u);
+  EXPECT_EQ(run.sim->Get(run.arm->status).stopped, 1);
+  EXPECT_LT(run.sim->Get(run.arm->measured_position)(3), -2.57);
+  EXPECT_GT(run.sim->Get(run.arm->position)(3), -2.57 - 2 * (95 + 10) / 2e4)
+      << "no deeper than a sudden load and the arm's weight press it";
+  EXPECT_NEAR(run.sim->Get(run.arm->measured_current)(3), -8.64, 1e-6) << "amperes, clamped";
+}
+
+TEST(SimulatedArm, FeelsItsToolThroughTheWrist) {
+  const RobotModel m = RobotModel::FromUrdf(kGen3BotaFile);
+  SimulatedArm::Options o = SimulatedGen3(
+      m, {.position = kHome, .ideal = true, .engine = SimbodyPlant::Engine::Recursive});
+  Station run(o);
+  RobotDynamics d(m, {"FT_sensor_wrench"});
+  ComputeDynamics(m, kHome, JointVelocity::Zero(m.joints()), d);
+  run.sim->Set(run.arm->torque_command, d.gravity);
+  run.sim->AdvanceTo(0.0101);
+  const Eigen::Vector3d weight = 0.081117 * (d.frame[0].pose.rotation.transpose() * m.gravity());
+  EXPECT_LT((run.sim->Get(run.arm->wrench).tail<3>() - weight).norm(), 1e-9);
+}
+
+TEST(SimulatedArm, IsTheSameRunForTheSameSeed) {
+  const auto run = [](std::uint64_t seed, bool interrupted) {
+    SimulatedArm::Options o = SimulatedGen3(
+        Gen3(), {.position = kHome, .seed = seed, .engine = SimbodyPlant::Engine::Recursive});
+    o.firmware.mode = ControlMode::Position;
+    Station station(o);
+    station.sim->AdvanceTo(0.05);
+    const Context snapshot = station.sim->Snapshot();
+    station.sim->AdvanceTo(0.1);
+    if (interrupted) {
+      station.sim->Restore(snapshot);
+      station.sim->AdvanceTo(0.1);
+    }
+    return JointPosition(station.sim->Get(station.arm->measured_position));
+  };
+  EXPECT_EQ(run(1, false), run(1, true));
+  EXPECT_NE(run(1, false), run(2, false));
 }
 
 }  // namespace
