@@ -12,8 +12,7 @@
 namespace pliant {
 namespace {
 
-const JointPosition kHome{0, 0.2618, std::numbers::pi,    -2.2689,
-                          0, 0.9599, std::numbers::pi / 2};
+const JointPosition kHome{0, 0.2618, std::numbers::pi, -2.2689, 0, 0.9599, std::numbers::pi / 2};
 
 /// Follows a sway of 0.1 rad about home: τ = (M + diag(B)) (q̈_d + 40 ė + 400 e) + C v + g.
 class SwayController final : public Block {
@@ -48,9 +47,9 @@ struct Loop {
   explicit Loop(const SimulatedArm::Options& station) {
     DiagramBuilder b;
     arm = &b.Add<SimulatedArm>("arm", station);
-    auto& dynamics =
-        b.Add<ModelDynamics>("dynamics", {.model = station.model,
-                                          .rotor_inertia = station.actuators.reflected_inertia()});
+    auto& dynamics = b.Add<ModelDynamics>(
+        "dynamics",
+        {.model = station.model, .rotor_inertia = station.actuators.reflected_inertia()});
     auto& law = b.Add<SwayController>("law", {.joints = station.model.joints()});
     b.Connect(arm->measured_position, dynamics.position);
     b.Connect(arm->measured_velocity, dynamics.velocity);
@@ -74,13 +73,14 @@ struct Loop {
 };
 
 void Second(benchmark::State& state, bool ideal, SimbodyPlant::Engine engine, Method method) {
-  const RobotModel model =
-      RobotModel::FromUrdf(PLIANT_SOURCE_DIR "/models/gen3/gen3_7dof.urdf");
+  const RobotModel model = RobotModel::FromUrdf(PLIANT_SOURCE_DIR "/models/gen3/gen3_7dof.urdf");
   SimulatedArm::Options station =
       SimulatedGen3(model, {.position = kHome, .ideal = ideal, .engine = engine});
   if (!ideal) station.firmware.mode = ControlMode::Current;
   const Loop loop(station);
-  Simulator sim(*loop.diagram, {.integrator = {.method = method, .absolute_tolerance = getenv("ATOL") ? atof(getenv("ATOL")) : 1e-8}});
+  Simulator sim(*loop.diagram, {.integrator = {.method = method,
+                                               .absolute_tolerance =
+                                                   getenv("ATOL") ? atof(getenv("ATOL")) : 1e-8}});
   sim.AdvanceTo(0.5);  // the gears have settled
   const std::int64_t before = sim.statistics().derivative_calls;
   const double start = sim.time();
@@ -91,18 +91,18 @@ void Second(benchmark::State& state, bool ideal, SimbodyPlant::Engine engine, Me
 }
 
 using Engine = SimbodyPlant::Engine;
-#define PLIANT_SECOND(name, ideal, engine, method)                          \
-  BENCHMARK_CAPTURE(Second, name, ideal, Engine::engine, Method::method)    \
+#define PLIANT_SECOND(name, ideal, engine, method)                       \
+  BENCHMARK_CAPTURE(Second, name, ideal, Engine::engine, Method::method) \
       ->Unit(benchmark::kMillisecond)
-PLIANT_SECOND(ideal/recursive, true, Recursive, kBogackiShampine);
-PLIANT_SECOND(ideal/simbody, true, Simbody, kBogackiShampine);
-PLIANT_SECOND(full/recursive, false, Recursive, kBogackiShampine);
-PLIANT_SECOND(full/simbody, false, Simbody, kBogackiShampine);
-PLIANT_SECOND(full/recursive/zonneveld, false, Recursive, kZonneveld);
-PLIANT_SECOND(full/recursive/dormand_prince, false, Recursive, kDormandPrince);
-PLIANT_SECOND(full/recursive/sdirk, false, Recursive, kSdirk);
-PLIANT_SECOND(full/recursive/adams, false, Recursive, kAdams);
-PLIANT_SECOND(full/recursive/bdf, false, Recursive, kBdf);
+PLIANT_SECOND(ideal / recursive, true, Recursive, kBogackiShampine);
+PLIANT_SECOND(ideal / simbody, true, Simbody, kBogackiShampine);
+PLIANT_SECOND(full / recursive, false, Recursive, kBogackiShampine);
+PLIANT_SECOND(full / simbody, false, Simbody, kBogackiShampine);
+PLIANT_SECOND(full / recursive / zonneveld, false, Recursive, kZonneveld);
+PLIANT_SECOND(full / recursive / dormand_prince, false, Recursive, kDormandPrince);
+PLIANT_SECOND(full / recursive / sdirk, false, Recursive, kSdirk);
+PLIANT_SECOND(full / recursive / adams, false, Recursive, kAdams);
+PLIANT_SECOND(full / recursive / bdf, false, Recursive, kBdf);
 
 }  // namespace
 }  // namespace pliant

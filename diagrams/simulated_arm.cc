@@ -47,10 +47,17 @@ class StatusSensor final : public Block {
   Output<ArmStatus> status;
 };
 
-/// Gains that are not given: those of a triple pole at 25 rad/s for the arm's inertia at the start.
+JointPosition StartOf(const SimulatedArm::Options& o) {
+  Require(o.position.size() == o.model.size(),
+          "position has an element for each of the " + Text(o.model.size()) + " joints",
+          o.position.size());
+  return o.position;
+}
+
+/// Gains that are not given: those of a triple pole at 50 rad/s for the arm's inertia at the start.
 ArmFirmware::Options Firmware(const SimulatedArm::Options& o, const ArmActuators& actuators,
                               const RobotDynamics& start) {
-  constexpr double kPole = 25;  // [rad/s]
+  constexpr double kPole = 50;  // [rad/s]
   ArmFirmware::Options firmware = o.firmware;
   firmware.joints = o.model.joints();
   firmware.period = o.period;
@@ -71,7 +78,7 @@ ArmFirmware::Options Firmware(const SimulatedArm::Options& o, const ArmActuators
 
 SimulatedArm::SimulatedArm(const Options& o)
     : mode{this, "mode", {}, o.firmware.mode},
-      position_command{this, "position_command", o.model.joints(), o.position},
+      position_command{this, "position_command", o.model.joints(), StartOf(o)},
       torque_command{this, "torque_command", o.model.joints(), JointTorque::Zero(o.model.joints())},
       current_command{this, "current_command", o.model.joints(),
                       MotorCurrent::Zero(o.model.joints())},
@@ -92,8 +99,18 @@ SimulatedArm::SimulatedArm(const Options& o)
       dissipation{this, "dissipation"},
       power{this, "power"} {
   const Joints& joints = o.model.joints();
+  const Duration outside = o.interface_period == Duration{} ? o.period : o.interface_period;
+  Require(!(outside < o.period), "interface_period must be >= period = " + o.period.text(),
+          outside.text());
+  if (o.wrist)
+    Require(!(o.wrist->period < o.period),
+            "wrist.period must be >= period = " + o.period.text() + ", the rate of the arm",
+            o.wrist->period.text());
   const ArmActuators parameters =
       o.actuators.joint.empty() ? ArmActuators::Ideal(joints) : o.actuators;
+  Require(static_cast<int>(parameters.joint.size()) == joints.size(),
+          "actuators has an element for each of the " + Text(joints.size()) + " joints",
+          parameters.joint.size());
   const PerJoint rotors = parameters.reflected_inertia();
 
   SimbodyPlant::Options body{.model = o.model,
@@ -144,11 +161,10 @@ SimulatedArm::SimulatedArm(const Options& o)
   const auto pass = [&]<class S>(const std::string& name, const auto& from, auto& to,
                                  const S& before,
                                  const typename internal::SpaceOf<S>::type& space) {
-    if (o.interface_period == Duration{} || o.interface_period == o.period) {
+    if (outside == o.period) {
       Connect(from, to);
     } else {
-      auto& hold =
-          Add<Hold<S>>(name, {.space = space, .before = before, .period = o.interface_period});
+      auto& hold = Add<Hold<S>>(name, {.space = space, .before = before, .period = outside});
       Connect(from, hold.u);
       Connect(hold.y, to);
     }

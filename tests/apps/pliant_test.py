@@ -48,8 +48,8 @@ class Command(unittest.TestCase):
 
     def test_a_run_leaves_a_report_whose_claims_hold(self):
         with tempfile.TemporaryDirectory() as folder:
-            done = pliant("experiment", "run", "null-space-compliance", "--out", "a/b", "--strict",
-                          cwd=folder)
+            done = pliant("experiment", "run", "null-space-compliance", "--ideal", "--out", "a/b",
+                          "--strict", cwd=folder)
             self.assertEqual(done.returncode, 0, done.stderr)
             self.assertEqual(done.stdout.splitlines()[-1],
                              f"report: {Path(folder).resolve()}/a/b/report.html")

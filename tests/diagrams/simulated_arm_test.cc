@@ -1,5 +1,6 @@
 #include "pliant/diagrams/simulated_arm.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -14,6 +15,7 @@
 #include "pliant/systems/simulator.h"
 #include "pliant/systems/sine.h"
 #include "pliant/tests/plants/arms.h"
+#include "pliant/tests/support/error_of.h"
 
 namespace pliant {
 namespace {
@@ -272,6 +274,30 @@ TEST(SimulatedArm, IsTheSameRunForTheSameSeed) {
   };
   EXPECT_EQ(run(1, false), run(1, true));
   EXPECT_NE(run(1, false), run(2, false));
+}
+
+TEST(SimulatedArm, RefusesWhatIsNoStation) {
+  const auto error = [](auto change) {
+    SimulatedArm::Options o =
+        SimulatedGen3(RobotModel::FromUrdf(kGen3BotaFile), {.position = kHome});
+    change(o);
+    return ErrorOf([&] { SimulatedArm arm(o); });
+  };
+  using O = SimulatedArm::Options;
+  EXPECT_EQ(error([](O& o) { o.wrist->period = 500us; }),
+            "wrist.period must be >= period = 1 ms, the rate of the arm, got 500 us");
+  EXPECT_EQ(error([](O& o) { o.interface_period = 200us; }),
+            "interface_period must be >= period = 1 ms, got 200 us");
+  EXPECT_EQ(error([](O& o) { o.actuators.joint[2].torque_constant = 0; }),
+            "actuators.drive: joint_3: torque_constant must be > 0 N·m/A, got 0");
+  EXPECT_EQ(error([](O& o) { o.actuators.joint.pop_back(); }),
+            "actuators has an element for each of the 7 joints, got 6");
+  EXPECT_EQ(error([](O& o) {
+              o.position = {1, 2};
+            }),
+            "position has an element for each of the 7 joints, got 2");
+  EXPECT_THAT(error([](O& o) { o.wrist->frame = "FT_sensor"; }),
+              testing::HasSubstr("wrist: robot \"gen3_7dof_bota\" has no link \"FT_sensor\""));
 }
 
 }  // namespace
