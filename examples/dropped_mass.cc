@@ -20,6 +20,7 @@ int main() {
   ComputeDynamics(model, extended, JointVelocity::Zero(model.joints()), start);
   const Eigen::Vector3d tool = start.frame[0].pose.position;
 
+  // shown: begin
   SimulatedArm::Options station = SimulatedGen3(model, {.position = extended});
   station.firmware.mode = ControlMode::Position;
   station.frames = {"tool_frame"};
@@ -36,6 +37,7 @@ int main() {
                                           .release = 500ms});
   b.Connect(arm.motion, mass.motion);
   b.Connect(mass.contact, arm.contacts);
+  // shown: end
   const Diagram diagram = b.Build();
 
   Simulator sim{diagram, {.integrator = {.method = Method::kDormandPrince}}};
