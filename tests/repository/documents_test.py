@@ -26,7 +26,7 @@ LINK = re.compile(r"\]\(([^)#:\s]+)[^):\s]*\)|(?:src|href)=\"([^\"#:]+)\"")
 
 
 def shown(source):
-    match = re.search(r"^// shown: begin\n(.*?)^// shown: end\n", source.read_text(), re.S | re.M)
+    match = re.search(r"^ *// shown: begin\n(.*?)^ *// shown: end\n", source.read_text(), re.S | re.M)
     if not match:
         sys.exit(f'{source}: no lines "// shown: begin" and "// shown: end"')
     return match[1].strip("\n") + "\n"
