@@ -130,6 +130,7 @@ SimulatedArm::SimulatedArm(const Options& o)
                                                  .parameters = parameters,
                                                  .position = o.position,
                                                  .velocity = o.velocity,
+                                                 .period = o.period,
                                                  .load = start.gravity});
   auto& firmware = Add<ArmFirmware>("firmware", Firmware(o, parameters, start));
   JointSensors::Options sampled = o.sensors;

@@ -61,8 +61,9 @@ Actuators::Actuators(const Options& o)
   std::vector<FrictionParameters> dry(parameters.size());
   std::ranges::transform(parameters, dry.begin(), &ActuatorParameters::friction);
 
-  auto& drive =
-      Add<MotorDrive>("drive", {.joints = o.joints, .parameters = parameters, .current = carrying});
+  auto& drive = Add<MotorDrive>(
+      "drive",
+      {.joints = o.joints, .parameters = parameters, .current = carrying, .period = o.period});
   auto& rub = Add<JointFriction>(
       "friction", {.joints = o.joints, .law = o.parameters.friction, .parameters = dry});
   auto& sums = Add<Sums>("sums", o.joints);

@@ -1,6 +1,6 @@
 #include "pliant/plants/motor_drive.h"
 
-#include <algorithm>
+#include <cmath>
 
 namespace pliant {
 
@@ -8,7 +8,11 @@ MotorDrive::MotorDrive(const Options& o)
     : command{this, "command", o.joints},
       current{this, "current", o.joints},
       torque{this, "torque", o.joints},
-      saturated{this, "saturated"} {
+      saturated{this, "saturated"},
+      start_{this,
+             "start",
+             {},
+             Start{.i = o.current.size() > 0 ? o.current : MotorCurrent::Zero(o.joints)}} {
   const int n = o.joints.size();
   Require(static_cast<int>(o.parameters.size()) == n,
           "parameters has an element for each of the " + Text(n) + " joints", o.parameters.size());
@@ -22,37 +26,23 @@ MotorDrive::MotorDrive(const Options& o)
     per_ampere_(j) = p.torque_per_ampere();
   }
 
-  if ((theta_.array() > 0).any()) {
-    i_.emplace(this, "i", o.joints,
-               o.current.size() > 0 ? o.current : MotorCurrent::Zero(o.joints));
-    Derivative(*i_).From(*i_, command).As(&MotorDrive::Follow);
-    Compute(current).From(*i_, command).As(&MotorDrive::Flowing);
-  } else {
-    Compute(current).From(command).As(&MotorDrive::Clamp);
-  }
+  Every(o.period).Update(start_).From(current, clock).As([](const MotorCurrent& i, double t) {
+    return Start{i, t};
+  });
+  Compute(current).From(clock, start_, command).As(&MotorDrive::Flow);
   Compute(torque).From(current).As(&MotorDrive::Turn);
   Compute(saturated).From(command, current).As(&MotorDrive::Cut);
 }
 
-MotorCurrent MotorDrive::Clamp(const MotorCurrent& asked) const {
-  return asked.cwiseMin(i_max_).cwiseMax(-i_max_);
-}
-
-MotorCurrentRate MotorDrive::Follow(const MotorCurrent& i, const MotorCurrent& asked) const {
-  const MotorCurrent within = Clamp(asked);
-  MotorCurrentRate rate;
-  rate.resize(i.size());
-  for (Eigen::Index j = 0; j < i.size(); ++j)
-    rate(j) = theta_(j) > 0 ? (within(j) - i(j)) / theta_(j) : 0;
-  return rate;
-}
-
-MotorCurrent MotorDrive::Flowing(const MotorCurrent& i, const MotorCurrent& asked) const {
-  const MotorCurrent within = Clamp(asked);
-  MotorCurrent flowing = i;
-  for (Eigen::Index j = 0; j < i.size(); ++j)
-    if (theta_(j) == 0) flowing(j) = within(j);
-  return flowing;
+MotorCurrent MotorDrive::Flow(double t, const Start& start, const MotorCurrent& asked) const {
+  MotorCurrent i = asked.cwiseMin(i_max_).cwiseMax(-i_max_);
+  double left = 0;
+  for (Eigen::Index j = 0; j < i.size(); ++j) {
+    if (theta_(j) == 0) continue;
+    if (j == 0 || theta_(j) != theta_(j - 1)) left = std::exp(-(t - start.t) / theta_(j));
+    i(j) += left * (start.i(j) - i(j));
+  }
+  return i;
 }
 
 JointTorque MotorDrive::Turn(const MotorCurrent& i) const {

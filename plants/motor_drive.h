@@ -1,7 +1,5 @@
 #pragma once
 
-#include <optional>
-
 #include "pliant/plants/actuator_parameters.h"
 #include "pliant/systems/block.h"
 
@@ -10,17 +8,22 @@ namespace pliant {
 /// A bit for each joint: 1, 2, 4, … for the first, second, third.
 using JointBits = std::uint32_t;
 
-/// The motors of an arm with their current loops:
+/// The motors of an arm with their current loops, for a command that is held from tick to tick:
 ///
 ///   θ di/dt = clamp(i_command, ± i_max) − i,   τ_m = clamp(η K_T G_r i, ± τ_max)
 ///
-/// θ = 0: i is the clamped command. The loops are at rest at first, or at `current`.
+/// solved exactly: with c the clamped command and i_k the current at the last tick,
+///
+///   i(t) = c + (i_k − c) exp(−(t − t_k)/θ),   θ = 0: i = c
+///
+/// The loops are at rest at first, or at `current`.
 class MotorDrive final : public Block {
  public:
   struct Options {
     Joints joints;
     std::vector<ActuatorParameters> parameters;  ///< of each joint
     MotorCurrent current = {};                   ///< i at the start; empty: 0
+    Duration period = 1ms;                       ///< between changes of the command
   };
 
   explicit MotorDrive(const Options& o);
@@ -31,14 +34,23 @@ class MotorDrive final : public Block {
   Output<JointBits> saturated;   ///< joints whose command or torque is cut
 
  private:
-  MotorCurrent Clamp(const MotorCurrent& command) const;
-  MotorCurrentRate Follow(const MotorCurrent& i, const MotorCurrent& command) const;
-  MotorCurrent Flowing(const MotorCurrent& i, const MotorCurrent& command) const;
+  struct Start {
+    MotorCurrent i;  // at the last tick
+    double t = 0;
+
+    template <class Visitor>
+    void Fields(Visitor&& f) {
+      f("i", i, "A");
+      f("t", t, "s");
+    }
+  };
+
+  MotorCurrent Flow(double t, const Start& start, const MotorCurrent& command) const;
   JointTorque Turn(const MotorCurrent& i) const;
   JointBits Cut(const MotorCurrent& command, const MotorCurrent& i) const;
 
   PerJoint i_max_, tau_max_, theta_, per_ampere_;
-  std::optional<Continuous<MotorCurrent>> i_;
+  Discrete<Start> start_;
 };
 
 }  // namespace pliant

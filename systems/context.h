@@ -87,7 +87,9 @@ class Context {
     std::vector<double> side;             ///< of zero each guard was seen on last
     std::vector<double> fired;            ///< when each guard fired last [s]
     std::vector<int> quick;               ///< firings in quick succession
-    double step = 0;                      ///< the integrator's next step size [s]
+    /// The step to try after an event [s]: what the integrator proposed after the first step behind
+    /// the last one, where the transients of a sampled input are.
+    double step = 0;
     bool started = false;
     bool operator==(const TimeLine&) const = default;
   };

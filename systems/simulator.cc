@@ -56,9 +56,9 @@ void Simulator::Start() {
 /// Begins a new stretch here: the state or what the derivatives depend on has changed.
 void Simulator::Restart() {
   if (integrator_) {
-    if (hi_ > lo_) context_.line_.step = integrator_->next_step();
     integrator_->Reset(time(), context_.state(), context_.line_.step);
   }
+  begins_ = true;
   lo_ = hi_ = time();
   guard_ = -1;
   FindJumps();
@@ -133,6 +133,8 @@ void Simulator::TakeStep() {
     const double stop = StopTime();
     if (integrator_) {
       hi_ = integrator_->Step(stop);
+      if (begins_) context_.line_.step = integrator_->next_step();
+      begins_ = false;
     } else {
       hi_ = plan_.guards.empty() ? stop : std::min(stop, lo_ + options_.integrator.max_step_s);
     }

@@ -126,6 +126,7 @@ class Simulator {
 
   double lo_ = 0, hi_ = 0;  // the integrator's last step, cut at a guard
   int guard_ = -1;          // the guard that fires at hi_
+  bool begins_ = true;      // no step was taken since the integrator was reset
   bool fresh_ = true;       // lo_ is an event: sample guards finely behind it
   int fired_last_ = -1;
   std::vector<double> sides_;           // of the guards, at a sample

@@ -26,19 +26,24 @@ std::vector<ActuatorParameters> Motors(double theta) {
 }
 
 TEST(MotorDrive, LetsTheCurrentFollowAtFirstOrder) {
-  BlockTester<MotorDrive> t(
-      MotorDrive::Options{.joints = kTwo, .parameters = Motors(2e-3), .current = {1, 0}},
-      {.integrator = {.relative_tolerance = 1e-9, .absolute_tolerance = 1e-12}});
+  BlockTester<MotorDrive> t({.joints = kTwo, .parameters = Motors(2e-3), .current = {1, 0}});
   t.Set(t->command, {3, -20});
-  for (const double s : {0.0, 1e-3, 5e-3}) {
+  for (const double s : {0.0, 0.3e-3, 1e-3, 5.5e-3}) {
     t.AdvanceTo(s);
     const double rise = 1 - std::exp(-s / 2e-3);
-    EXPECT_NEAR(t.Get(t->current)(0), 1 + 2 * rise, 1e-8);
-    EXPECT_NEAR(t.Get(t->current)(1), -8 * rise, 1e-7) << "clamped before the lag";
+    EXPECT_NEAR(t.Get(t->current)(0), 1 + 2 * rise, 1e-14);
+    EXPECT_NEAR(t.Get(t->current)(1), -8 * rise, 1e-14) << "clamped before the lag";
     EXPECT_NEAR(t.Get(t->torque)(0), 0.9 * 0.11 * 100 * t.Get(t->current)(0), 1e-13);
   }
   EXPECT_GE(t.Get(t->torque)(1), -60) << "8 A would make 79.2 N·m";
   EXPECT_EQ(t.Get(t->saturated), 2u);
+  // A new command begins where the current is.
+  t.AdvanceTo(6e-3);
+  const double there = t.Get(t->current)(0);
+  t.Tick();
+  t.Set(t->command, {-1, 0});
+  t.AdvanceTo(7.2e-3);
+  EXPECT_NEAR(t.Get(t->current)(0), -1 + (there + 1) * std::exp(-1.2e-3 / 2e-3), 1e-14);
 }
 
 TEST(MotorDrive, FollowsAtOnceWithoutATimeConstant) {
