@@ -10,8 +10,7 @@ MotorDrive::MotorDrive(const Options& o)
       torque{this, "torque", o.joints},
       saturated{this, "saturated"} {
   const int n = o.joints.size();
-  Require(static_cast<int>(o.parameters.size()) == n,
-          "parameters has an element for each of the " + Text(n) + " joints", o.parameters.size());
+  RequireOneForEach(o.joints, "parameters", std::ssize(o.parameters));
   for (PerJoint* figure : {&i_max_, &tau_max_, &theta_, &per_ampere_}) figure->resize(n);
   for (int j = 0; j < n; ++j) {
     const ActuatorParameters& p = o.parameters[static_cast<std::size_t>(j)];
