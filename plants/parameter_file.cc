@@ -43,7 +43,7 @@ std::string KindOf(const YAML::Node& node) {
 
 std::string Listed(const std::vector<std::string>& names) {
   std::string list;
-  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
+  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + Short(name);
   return list;
 }
 
