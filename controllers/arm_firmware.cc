@@ -1,7 +1,7 @@
 #include "pliant/controllers/arm_firmware.h"
 
 #include "pliant/controllers/kinova_lag.h"
-#include "pliant/systems/parameter.h"
+#include "pliant/systems/elements.h"
 
 namespace pliant {
 
@@ -27,11 +27,12 @@ ArmFirmware::ArmFirmware(const Options& o)
                    .y1 = PerJoint::Zero(o.joints.size()),
                    .y2 = PerJoint::Zero(o.joints.size())}},
       work_{this, "work", o.compensated ? RobotDynamics(*o.compensated) : RobotDynamics()} {
-  RequireInRange(o.joints, "torque_per_ampere", o.torque_per_ampere, "N·m/A", kPositive);
-  RequireInRange(o.joints, "position_stiffness", o.position_stiffness, "N·m/rad", kNotNegative);
-  RequireInRange(o.joints, "position_damping", o.position_damping, "N·m·s/rad", kNotNegative);
-  RequireInRange(o.joints, "position_integral", o.position_integral, "N·m/(rad·s)", kNotNegative);
-  RequireInRange(o.joints, "torque_limit", o.torque_limit, "N·m", kLimit);
+  RequireEachInRange("torque_per_ampere", o.torque_per_ampere, "N·m/A", kPositive, o.joints);
+  RequireEachInRange("position_stiffness", o.position_stiffness, "N·m/rad", kNotNegative, o.joints);
+  RequireEachInRange("position_damping", o.position_damping, "N·m·s/rad", kNotNegative, o.joints);
+  RequireEachInRange("position_integral", o.position_integral, "N·m/(rad·s)", kNotNegative,
+                     o.joints);
+  RequireEachInRange("torque_limit", o.torque_limit, "N·m", kLimit, o.joints);
   RequireInRange("", "torque_feedforward", o.torque_feedforward, "", kNotNegative);
   RequireInRange("", "torque_feedback", o.torque_feedback, "", kNotNegative);
 

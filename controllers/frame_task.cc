@@ -3,16 +3,17 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "pliant/systems/elements.h"
+
 namespace pliant {
 
 namespace {
 
 int Rows(FrameTask::Part part) { return part == FrameTask::Part::Pose ? 6 : 3; }
 
-TaskVector Checked(const TaskVector& x, int rows, const std::string& name) {
+TaskVector Checked(const std::string& name, const TaskVector& x, std::string_view unit, int rows) {
   Require(x.size() == rows, name + " has " + Text(rows) + " elements", x.size());
-  Require(x.allFinite() && x.minCoeff() >= 0, "every " + name + " must be finite and >= 0",
-          x.transpose());
+  RequireEachInRange(name, x, unit, kNotNegative);
   return x;
 }
 
@@ -46,8 +47,8 @@ FrameTask::FrameTask(const Options& o)
       target{this, "target", {}, Checked(o.target)},
       target_twist{this, "target_twist", {}, Twist{}},
       target_acceleration{this, "target_acceleration", {}, Twist{}},
-      stiffness{this, "stiffness", {}, Checked(o.stiffness, Rows(o.part), "stiffness")},
-      damping{this, "damping", {}, Checked(o.damping, Rows(o.part), "damping")},
+      stiffness{this, "stiffness", {}, Checked("stiffness", o.stiffness, "1/s²", Rows(o.part))},
+      damping{this, "damping", {}, Checked("damping", o.damping, "1/s", Rows(o.part))},
       weight{this, "weight", {}, o.weight},
       compliance{this, "compliance", {}, CheckedCompliance(o.compliance, Rows(o.part))},
       frame{this,

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "pliant/systems/parameter.h"
+#include "pliant/systems/elements.h"
 
 namespace pliant {
 
@@ -11,9 +11,9 @@ FrictionCompensation::FrictionCompensation(const Options& o)
       acceleration{this, "acceleration", o.joints},
       torque{this, "torque", o.joints},
       o_{o} {
-  RequireInRange(o.joints, "coulomb", o.coulomb, "N·m", kNotNegative);
-  RequireInRange(o.joints, "viscous", o.viscous, "N·m·s/rad", kNotNegative);
-  RequireInRange(o.joints, "stiction", o.stiction, "N·m", kNotNegative);
+  RequireEachInRange("coulomb", o.coulomb, "N·m", kNotNegative, o.joints);
+  RequireEachInRange("viscous", o.viscous, "N·m·s/rad", kNotNegative, o.joints);
+  RequireEachInRange("stiction", o.stiction, "N·m", kNotNegative, o.joints);
   RequireInRange("", "velocity_threshold", o.velocity_threshold, "rad/s", kPositive);
   RequireInRange("", "acceleration_threshold", o.acceleration_threshold, "rad/s²", kPositive);
   Compute(torque).From(velocity, acceleration).As(&FrictionCompensation::Compensate);

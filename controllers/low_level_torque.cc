@@ -2,8 +2,8 @@
 
 #include "pliant/controllers/kinova_lag.h"
 #include "pliant/systems/discrete_transfer_function.h"
+#include "pliant/systems/elements.h"
 #include "pliant/systems/leaky_integrator.h"
-#include "pliant/systems/parameter.h"
 
 namespace pliant {
 
@@ -18,7 +18,7 @@ class TorqueError final : public Block {
         measured{this, "measured", joints},
         error{this, "error", joints},
         B_{reflected_inertia} {
-    RequireInRange(joints, "reflected_inertia", B_, "kg·m²", kNotNegative);
+    RequireEachInRange("reflected_inertia", B_, "kg·m²", kNotNegative, joints);
     Compute(error).From(wanted, acceleration, measured).As(&TorqueError::Miss);
   }
   Input<JointTorque> wanted;
@@ -46,7 +46,7 @@ class MotorCommand final : public Block {
         lambda_{lag_gain},
         kappa_{torque_per_ampere} {
     RequireInRange("", "lag_gain", lambda_, "", kNotNegative);
-    RequireInRange(joints, "torque_per_ampere", kappa_, "N·m/A", kPositive);
+    RequireEachInRange("torque_per_ampere", kappa_, "N·m/A", kPositive, joints);
     Compute(current).From(wanted, friction, lag, leak).As(&MotorCommand::Convert);
   }
   Input<JointTorque> wanted, friction, lag, leak;

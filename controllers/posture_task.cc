@@ -3,15 +3,15 @@
 #include <cmath>
 #include <numbers>
 
+#include "pliant/systems/elements.h"
+
 namespace pliant {
 
 namespace {
 
-PerJoint Checked(const PerJoint& x, const RobotModel& model, const std::string& name) {
-  Require(x.size() == model.size(),
-          name + " has an element for each of the " + Text(model.size()) + " joints", x.size());
-  Require(x.allFinite() && x.minCoeff() >= 0, "every " + name + " must be finite and >= 0",
-          x.transpose());
+PerJoint Checked(std::string_view name, const PerJoint& x, std::string_view unit,
+                 const Joints& joints) {
+  RequireEachInRange(name, x, unit, kNotNegative, joints);
   return x;
 }
 
@@ -32,18 +32,15 @@ PostureTask::PostureTask(const Options& o)
                       JointVelocity::Zero(o.model.joints())},
       target_acceleration{this, "target_acceleration", o.model.joints(),
                           JointAcceleration::Zero(o.model.joints())},
-      stiffness{this, "stiffness", {}, Checked(o.stiffness, o.model, "stiffness")},
-      damping{this, "damping", {}, Checked(o.damping, o.model, "damping")},
+      stiffness{this, "stiffness", {}, Checked("stiffness", o.stiffness, "1/s²", o.model.joints())},
+      damping{this, "damping", {}, Checked("damping", o.damping, "1/s", o.model.joints())},
       weight{this, "weight", {}, o.weight},
       compliance{this, "compliance", {}, CheckedCompliance(o.compliance, o.model.size())},
       error{this, "error", o.model.joints()},
       objective{this, "objective", o.model.joints(),
                 Objective::Zero(o.model.size(), o.model.size())},
       model_{o.model} {
-  Require(o.target.size() == o.model.size(),
-          "target has an element for each of the " + Text(o.model.size()) + " joints",
-          o.target.size());
-  Require(o.target.allFinite(), "target must be finite", o.target.transpose());
+  RequireEachInRange("target", o.target, "rad", kAnyNumber, o.model.joints());
   Require(o.weight > 0 && std::isfinite(o.weight), "weight must be finite and > 0", o.weight);
   Compute(error).From(dynamics, target).As(&PostureTask::Error);
   Compute(objective)

@@ -1,5 +1,7 @@
 #include "pliant/estimators/complementary_fusion.h"
 
+#include "pliant/systems/elements.h"
+
 namespace pliant {
 
 ComplementaryFusion::ComplementaryFusion(const Options& o)
@@ -11,11 +13,7 @@ ComplementaryFusion::ComplementaryFusion(const Options& o)
               "memory",
               o.joints,
               {JointTorque::Zero(o.joints), JointTorque::Zero(o.joints), false}} {
-  Require(o.gain.size() == o.joints.size(),
-          "gain has an element for each of the " + Text(o.joints.size()) + " joints",
-          o.gain.size());
-  Require(o.gain.allFinite() && o.gain.minCoeff() > 0, "every gain must be finite and > 0",
-          o.gain.transpose());
+  RequireEachInRange("gain", o.gain, "1/s", kPositive, o.joints);
   Every(o.period).Compute(memory_).From(memory_, sensor_torque).As(&ComplementaryFusion::Next);
   Compute(external_torque).From(residual, memory_).As(&ComplementaryFusion::Fuse);
 }

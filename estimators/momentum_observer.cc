@@ -1,5 +1,7 @@
 #include "pliant/estimators/momentum_observer.h"
 
+#include "pliant/systems/elements.h"
+
 namespace pliant {
 
 namespace {
@@ -17,11 +19,7 @@ MomentumObserver::MomentumObserver(const Options& o)
       decay_{(-o.gain * seconds(o.period)).array().exp()},
       h_{seconds(o.period)},
       memory_{this, "memory", o.joints, Blank(o.joints)} {
-  Require(o.gain.size() == o.joints.size(),
-          "gain has an element for each of the " + Text(o.joints.size()) + " joints",
-          o.gain.size());
-  Require(o.gain.allFinite() && o.gain.minCoeff() > 0, "every gain must be finite and > 0",
-          o.gain.transpose());
+  RequireEachInRange("gain", o.gain, "1/s", kPositive, o.joints);
   Every(o.period).Compute(memory_).From(memory_, dynamics, torque).As(&MomentumObserver::Next);
   Compute(residual).From(memory_).As([](const Memory& m) { return m.r; });
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 
+#include "pliant/systems/elements.h"
 #include "pliant/systems/nearest_name.h"
 
 namespace pliant {
@@ -52,14 +53,13 @@ ArmActuators ArmActuators::ReadText(const std::string& text, const Joints& joint
 }
 
 ArmActuators ArmActuators::Ideal(const Joints& joints, const PerJoint& reflected_inertia) {
-  Require(reflected_inertia.size() == 0 || reflected_inertia.size() == joints.size(),
-          "reflected_inertia has an element for each of the " + Text(joints.size()) + " joints",
-          reflected_inertia.size());
+  const PerJoint B =
+      EachInRangeOr0("reflected_inertia", reflected_inertia, "kg·m²", kNotNegative, joints);
   ArmActuators arm{.transmission = Transmission::Rigid, .friction = FrictionLaw::None, .joint = {}};
   for (int j = 0; j < joints.size(); ++j)
     arm.joint.push_back({.gear_ratio = 1,
                          .torque_constant = 1,
-                         .rotor_inertia = reflected_inertia.size() > 0 ? reflected_inertia(j) : 0,
+                         .rotor_inertia = B(j),
                          .current_limit = kUnbounded,
                          .torque_limit = kUnbounded,
                          .stiffness = kUnbounded,

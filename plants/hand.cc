@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "pliant/systems/parameter.h"
+#include "pliant/systems/elements.h"
 
 namespace pliant {
 
@@ -25,8 +25,7 @@ Hand::Hand(const Options& o)
       holds_{this, "holds"},
       pull_{this, "pull"} {
   Require(o.point.allFinite(), "point must be finite", o.point.transpose());
-  for (int i = 0; i < 3; ++i)
-    RequireInRange("", std::string("stiffness along ") + "xyz"[i], k_(i), "N/m", kNotNegative);
+  RequireEachInRange("stiffness", k_, "N/m", kNotNegative);
   RequireInRange("", "damping", d_, "N·s/m", kNotNegative);
 
   Compute(holds_).From(grip).As([](double g) { return g > 0 ? 1.0 : -1.0; });

@@ -11,9 +11,7 @@ JointFriction::JointFriction(const Options& o)
       law_{o.law},
       p_{o.parameters},
       zdot_{this, "zdot", o.joints} {
-  Require(static_cast<int>(p_.size()) == o.joints.size(),
-          "parameters has an element for each of the " + Text(o.joints.size()) + " joints",
-          p_.size());
+  RequireOneForEach(o.joints, "parameters", std::ssize(p_));
   for (int j = 0; j < o.joints.size(); ++j)
     RequireInRange(o.joints[j], p_[static_cast<std::size_t>(j)]);
 

@@ -20,15 +20,6 @@ enum Use : std::uint64_t {
   kBias,
 };
 
-/// x, checked to have an element per joint; zero where it was left out.
-PerJoint Checked(const PerJoint& x, const std::string& name, std::string_view unit,
-                 const Range& range, const Joints& joints) {
-  Require(x.size() == 0 || x.size() == joints.size(),
-          name + " has an element for each of the " + Text(joints.size()) + " joints", x.size());
-  RequireEachInRange(name, x, unit, range, joints);
-  return x.size() == joints.size() ? x : PerJoint(PerJoint::Zero(joints.size()));
-}
-
 /// x + σ ∘ ξ_k, and x itself where σ is 0.
 PerJoint Noisy(PerJoint x, const PerJoint& sigma, const RandomStream& random, std::uint64_t k) {
   for (int i = 0; i < x.size(); ++i)
@@ -48,17 +39,19 @@ JointSensors::JointSensors(const Options& o)
       measured_torque{this, "measured_torque", o.joints},
       measured_current{this, "measured_current", o.joints},
       h_{seconds(o.period)},
-      quantum_{Checked(o.position_quantum, "position_quantum", "rad", kNotNegative, o.joints)},
-      sigma_q_{Checked(o.position_noise, "position_noise", "rad", kNotNegative, o.joints)},
+      quantum_{
+          EachInRangeOr0("position_quantum", o.position_quantum, "rad", kNotNegative, o.joints)},
+      sigma_q_{EachInRangeOr0("position_noise", o.position_noise, "rad", kNotNegative, o.joints)},
       alpha_{1 - (-2 * std::numbers::pi * h_ *
-                  Checked(o.velocity_cutoff_hz, "velocity_cutoff_hz", "Hz", kNotNegative, o.joints)
+                  EachInRangeOr0("velocity_cutoff_hz", o.velocity_cutoff_hz, "Hz", kNotNegative,
+                                 o.joints)
                       .array())
                      .exp()},
-      sigma_v_{Checked(o.velocity_noise, "velocity_noise", "rad/s", kNotNegative, o.joints)},
-      sigma_tau_{Checked(o.torque_noise, "torque_noise", "N·m", kNotNegative, o.joints)},
-      bias_{Checked(o.torque_bias, "torque_bias", "N·m", kAnyNumber, o.joints)},
-      sigma_d_{Checked(o.torque_drift, "torque_drift", "N·m", kNotNegative, o.joints)},
-      sigma_i_{Checked(o.current_noise, "current_noise", "A", kNotNegative, o.joints)},
+      sigma_v_{EachInRangeOr0("velocity_noise", o.velocity_noise, "rad/s", kNotNegative, o.joints)},
+      sigma_tau_{EachInRangeOr0("torque_noise", o.torque_noise, "N·m", kNotNegative, o.joints)},
+      bias_{EachInRangeOr0("torque_bias", o.torque_bias, "N·m", kAnyNumber, o.joints)},
+      sigma_d_{EachInRangeOr0("torque_drift", o.torque_drift, "N·m", kNotNegative, o.joints)},
+      sigma_i_{EachInRangeOr0("current_noise", o.current_noise, "A", kNotNegative, o.joints)},
       a_{std::exp(-h_ / o.torque_drift_time_s)},
       fresh_{std::sqrt(-std::expm1(-2 * h_ / o.torque_drift_time_s))},
       random_{o.seed},

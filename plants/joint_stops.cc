@@ -12,10 +12,10 @@ namespace {
 
 /// x, or `otherwise` where it was left out; checked to have an element per joint.
 template <class V>
-V OrElse(const V& x, const V& otherwise, const std::string& name) {
-  Require(x.size() == 0 || x.size() == otherwise.size(),
-          name + " has an element for each of the " + Text(otherwise.size()) + " joints", x.size());
-  return x.size() == 0 ? otherwise : x;
+V OrElse(const V& x, const V& otherwise, const Joints& joints, std::string_view name) {
+  if (x.size() == 0) return otherwise;
+  RequireOneForEach(joints, name, x.size());
+  return x;
 }
 
 /// ṗ, where p is signed by the end of the range it is beyond.
@@ -31,15 +31,13 @@ JointStops::JointStops(const Options& o)
       stopped{this, "stopped"},
       energy{this, "energy"},
       dissipation{this, "dissipation"},
-      lower_{OrElse(o.lower, o.model.lower_limit(), "lower")},
-      upper_{OrElse(o.upper, o.model.upper_limit(), "upper")},
+      lower_{OrElse(o.lower, o.model.lower_limit(), o.model.joints(), "lower")},
+      upper_{OrElse(o.upper, o.model.upper_limit(), o.model.joints(), "upper")},
       k_{o.stiffness},
-      c_{OrElse(o.damping, PerJoint(PerJoint::Zero(o.model.size())), "damping")} {
-  Require(k_.size() == o.model.size(),
-          "stiffness has an element for each of the " + Text(o.model.size()) + " joints",
-          k_.size());
+      c_{OrElse(o.damping, PerJoint(PerJoint::Zero(o.model.size())), o.model.joints(), "damping")} {
+  RequireOneForEach(o.model.joints(), "stiffness", k_.size());
   for (int i = 0; i < o.model.size(); ++i) {
-    const std::string of_joint = " of " + o.model.joint(i).name;
+    const std::string of_joint = "[" + o.model.joint(i).name + "]";
     const bool slides = o.model.joint(i).type == Joint::Type::Prismatic;
     RequireInRange("", "stiffness" + of_joint, k_(i), slides ? "N/m" : "N·m/rad", kPositive);
     RequireInRange("", "damping" + of_joint, c_(i), slides ? "s/m" : "s/rad", kNotNegative);

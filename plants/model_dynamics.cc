@@ -1,5 +1,7 @@
 #include "pliant/plants/model_dynamics.h"
 
+#include "pliant/systems/elements.h"
+
 namespace pliant {
 
 ModelDynamics::ModelDynamics(const Options& o)
@@ -7,18 +9,13 @@ ModelDynamics::ModelDynamics(const Options& o)
       velocity{this, "velocity", o.model.joints()},
       dynamics{this, "dynamics", o.model.joints(), RobotDynamics(o.model, o.frames)},
       model_{o.model},
-      B_{o.rotor_inertia} {
-  Require(B_.size() == 0 || B_.size() == o.model.size(),
-          "rotor_inertia has an element for each of the " + Text(o.model.size()) + " joints",
-          B_.size());
-  Require(B_.size() == 0 || (B_.allFinite() && B_.minCoeff() >= 0),
-          "every rotor_inertia must be finite and >= 0", B_.transpose());
+      B_{EachInRangeOr0("rotor_inertia", o.rotor_inertia, "kg·m²", kNotNegative,
+                        o.model.joints())} {
   Compute(dynamics).From(position, velocity).As(&ModelDynamics::At);
 }
 
 void ModelDynamics::At(RobotDynamics& d, const JointPosition& q, const JointVelocity& v) const {
   ComputeDynamics(model_, q, v, d);
-  if (B_.size() == 0) return;
   d.M.diagonal() += B_;
   d.p += B_.cwiseProduct(v);
 }

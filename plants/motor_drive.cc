@@ -14,8 +14,7 @@ MotorDrive::MotorDrive(const Options& o)
              {},
              Start{.i = o.current.size() > 0 ? o.current : MotorCurrent::Zero(o.joints)}} {
   const int n = o.joints.size();
-  Require(static_cast<int>(o.parameters.size()) == n,
-          "parameters has an element for each of the " + Text(n) + " joints", o.parameters.size());
+  RequireOneForEach(o.joints, "parameters", std::ssize(o.parameters));
   for (PerJoint* figure : {&i_max_, &tau_max_, &theta_, &per_ampere_}) figure->resize(n);
   for (int j = 0; j < n; ++j) {
     const ActuatorParameters& p = o.parameters[static_cast<std::size_t>(j)];

@@ -16,7 +16,9 @@ namespace pliant {
 /// "file:line:column: …".
 class ParameterFile {
  public:
-  /// The whole file. Refuses what is no YAML, keys given twice and files that are not there.
+  /// The whole file. Refuses what is no YAML, keys given twice, keys that are no words, aliases
+  /// that contain themselves, more than 32 maps and lists inside one another, a second document,
+  /// and files that cannot be read.
   static ParameterFile Read(const std::filesystem::path& file);
   /// The same of a text; `source` stands for the file's name in messages.
   static ParameterFile ReadText(const std::string& text, const std::string& source = "YAML");

@@ -1,25 +1,8 @@
 #include "pliant/plants/simbody_plant.h"
 
+#include "pliant/systems/elements.h"
+
 namespace pliant {
-
-namespace {
-
-/// x, checked to have an element per joint; zero where it was left out.
-template <class V>
-V PerJointOr0(const V& x, const RobotModel& model, const std::string& name) {
-  Require(x.size() == 0 || x.size() == model.size(),
-          name + " has an element for each of the " + Text(model.size()) + " joints", x.size());
-  Require(x.size() == 0 || x.allFinite(), name + " must be finite", x.transpose());
-  return x.size() == model.size() ? x : V(PerJoint::Zero(model.size()));
-}
-
-PerJoint NotNegative(const PerJoint& x, const RobotModel& model, const std::string& name) {
-  const PerJoint checked = PerJointOr0(x, model, name);
-  Require(checked.minCoeff() >= 0, "every " + name + " must be >= 0", checked.minCoeff());
-  return checked;
-}
-
-}  // namespace
 
 SimbodyPlant::SimbodyPlant(const Options& o)
     : torque{this, "torque", o.model.joints()},
@@ -33,10 +16,12 @@ SimbodyPlant::SimbodyPlant(const Options& o)
       dissipation{this, "dissipation"},
       model_{o.model},
       simbody_{o.engine == Engine::Simbody ? std::make_shared<const SimbodyArm>(o.model) : nullptr},
-      d_{NotNegative(o.damping, o.model, "damping")},
-      B_{NotNegative(o.rotor_inertia, o.model, "rotor_inertia")},
-      q_{this, "q", o.model.joints(), PerJointOr0(o.position, o.model, "position")},
-      v_{this, "v", o.model.joints(), PerJointOr0(o.velocity, o.model, "velocity")},
+      d_{EachInRangeOr0("damping", o.damping, "N·m·s/rad", kNotNegative, o.model.joints())},
+      B_{EachInRangeOr0("rotor_inertia", o.rotor_inertia, "kg·m²", kNotNegative, o.model.joints())},
+      q_{this, "q", o.model.joints(),
+         EachInRangeOr0("position", o.position, "rad", kAnyNumber, o.model.joints())},
+      v_{this, "v", o.model.joints(),
+         EachInRangeOr0("velocity", o.velocity, "rad/s", kAnyNumber, o.model.joints())},
       work_{this, "work"} {
   Derivative(q_).From(v_).As([](const JointVelocity& v) { return v; });
   Derivative(v_).From(acceleration).As([](const JointAcceleration& a) { return a; });

@@ -1,14 +1,14 @@
 #include "pliant/plants/transmission.h"
 
+#include "pliant/systems/elements.h"
+
 namespace pliant {
 
 namespace {
 
 PerJoint Figure(const Joints& joints, const std::vector<ActuatorParameters>& parameters,
                 auto figure) {
-  Require(static_cast<int>(parameters.size()) == joints.size(),
-          "parameters has an element for each of the " + Text(joints.size()) + " joints",
-          parameters.size());
+  RequireOneForEach(joints, "parameters", std::ssize(parameters));
   PerJoint all(joints.size());
   for (int j = 0; j < joints.size(); ++j) {
     const ActuatorParameters& p = parameters[static_cast<std::size_t>(j)];
@@ -59,8 +59,8 @@ ElasticTransmission::ElasticTransmission(const Options& o)
       D_{Figure(o.joints, o.parameters, &ActuatorParameters::damping)},
       theta_{this, "theta", o.joints, o.position + Or0(o.load, o.joints).cwiseQuotient(K_)},
       omega_{this, "omega", o.joints, Or0(o.velocity, o.joints)} {
-  RequireInRange(o.joints, "rotor_inertia behind a spring", B_, "kg·m²", kPositive);
-  RequireInRange(o.joints, "stiffness of a spring", K_, "N·m/rad", kPositive);
+  RequireEachInRange("rotor_inertia behind a spring", B_, "kg·m²", kPositive, o.joints);
+  RequireEachInRange("stiffness of a spring", K_, "N·m/rad", kPositive, o.joints);
   Derivative(theta_).From(omega_).As([](const JointVelocity& omega) { return omega; });
   Derivative(omega_)
       .From(motor_torque, friction, joint_torque)

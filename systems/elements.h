@@ -76,16 +76,27 @@ double Smallest(const X& x) {
 }
 
 /// Throws "<name>[elbow] must be >= 0 N·m, got -1" for the first element out of its range; the
-/// elements have the names the space gives them.
+/// elements have the names the space gives them. A vector must have one for each of the joints.
 template <class X>
 void RequireEachInRange(std::string_view name, const X& x, std::string_view unit,
                         const Range& range, const Space& space = {}) {
+  if constexpr (internal::Dense<X>)
+    if (space.size() > 0) RequireOneForEach(space, name, x.size());
   std::vector<internal::Column> columns;
   std::vector<double> numbers;
   internal::Columns(x, space, std::string(name), unit, columns);
   internal::Numbers(x, numbers);
   for (std::size_t i = 0; i < numbers.size(); ++i)
     RequireInRange("", columns[i].name, numbers[i], columns[i].unit, range);
+}
+
+/// x, checked as above; zero for every joint where it was left out.
+template <class X>
+X EachInRangeOr0(std::string_view name, const X& x, std::string_view unit, const Range& range,
+                 const Joints& joints) {
+  if (x.size() == 0) return X(PerJoint::Zero(joints.size()));
+  RequireEachInRange(name, x, unit, range, joints);
+  return x;
 }
 
 }  // namespace pliant

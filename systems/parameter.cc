@@ -7,7 +7,7 @@ std::string Range::text() const {
   if (from && to) return (without_least ? "above " : "from ") + Text(least) + " to " + Text(most);
   if (from) return (without_least ? "> " : ">= ") + Text(least);
   if (to) return "<= " + Text(most);
-  return "a finite number";
+  return "finite";
 }
 
 void RequireInRange(std::string_view where, std::string_view name, double value,
@@ -18,12 +18,10 @@ void RequireInRange(std::string_view where, std::string_view name, double value,
               range.text() + in_unit + ", got " + Text(value));
 }
 
-void RequireInRange(const Joints& joints, std::string_view name, const PerJoint& values,
-                    std::string_view unit, const Range& range) {
-  Require(values.size() == joints.size(),
+void RequireOneForEach(const Space& joints, std::string_view name, std::ptrdiff_t found) {
+  Require(found == joints.size(),
           std::string(name) + " has an element for each of the " + Text(joints.size()) + " joints",
-          values.size());
-  for (int j = 0; j < joints.size(); ++j) RequireInRange(joints[j], name, values(j), unit, range);
+          found);
 }
 
 }  // namespace pliant

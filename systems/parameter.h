@@ -1,12 +1,14 @@
 #pragma once
 
 #include <concepts>
+#include <cstddef>
 #include <limits>
 #include <string>
 #include <string_view>
+#include <type_traits>
 
 #include "pliant/systems/error.h"
-#include "pliant/systems/signal.h"
+#include "pliant/systems/space.h"
 
 namespace pliant {
 
@@ -61,8 +63,7 @@ void RequireInRange(std::string_view where, const T& parameters) {
           });
 }
 
-/// The same of a number for each joint, "joint_3: stiffness must be > 0 N·m/rad, got 0".
-void RequireInRange(const Joints& joints, std::string_view name, const PerJoint& values,
-                    std::string_view unit, const Range& range);
+/// Throws "<name> has an element for each of the 7 joints, got 3".
+void RequireOneForEach(const Space& joints, std::string_view name, std::ptrdiff_t found);
 
 }  // namespace pliant

@@ -17,6 +17,8 @@ target_link_options(plants_simbody_and_sundials_test PRIVATE LINKER:--exclude-li
 pliant_test(plants/push_test.cc LIBRARIES pliant::plants)
 pliant_test(plants/simbody_plant_test.cc LIBRARIES pliant::plants)
 pliant_test(plants/actuator_parameters_test.cc LIBRARIES pliant::plants)
+pliant_test(plants/parameter_file_test.cc LIBRARIES pliant::plants)
+pliant_test(plants/model_error_test.cc LIBRARIES pliant::plants)
 pliant_test(plants/joint_friction_test.cc LIBRARIES pliant::plants)
 pliant_test(plants/motor_drive_test.cc LIBRARIES pliant::plants)
 pliant_test(plants/transmission_test.cc LIBRARIES pliant::plants)

@@ -158,9 +158,9 @@ TEST(ArmFirmware, RefusesGainsThatAreNone) {
   };
   using O = ArmFirmware::Options;
   EXPECT_EQ(error([](O& o) { o.torque_per_ampere(1) = 0; }),
-            "second: torque_per_ampere must be > 0 N·m/A, got 0");
+            "torque_per_ampere[second] must be > 0 N·m/A, got 0");
   EXPECT_EQ(error([](O& o) { o.position_damping(0) = -1; }),
-            "first: position_damping must be >= 0 N·m·s/rad, got -1");
+            "position_damping[first] must be >= 0 N·m·s/rad, got -1");
   EXPECT_EQ(error([](O& o) { o.position_stiffness.resize(0); }),
             "position_stiffness has an element for each of the 2 joints, got 0");
   EXPECT_EQ(error([](O& o) { o.torque_feedback = -1; }), "torque_feedback must be >= 0, got -1");

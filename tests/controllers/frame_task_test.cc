@@ -214,8 +214,7 @@ TEST(FrameTask, RefusesOptionsThatMakeNoTask) {
   };
   using O = FrameTask::Options;
   EXPECT_EQ(error([](O& o) { o.stiffness = TaskVector(); }), "stiffness has 3 elements, got 0");
-  EXPECT_EQ(error([](O& o) { o.damping(1) = -1; }),
-            "every damping must be finite and >= 0, got 20 -1 40");
+  EXPECT_EQ(error([](O& o) { o.damping(1) = -1; }), "damping[y] must be >= 0 1/s, got -1");
   EXPECT_EQ(error([](O& o) { o.weight = 0; }), "weight must be finite and > 0, got 0");
   EXPECT_THAT(error([](O& o) { o.frame = "tool_fram"; }), testing::HasSubstr("tool_frame"));
   EXPECT_THAT(error([](O& o) { o.target.rotation(0, 0) = 2; }),

@@ -90,12 +90,12 @@ TEST(LowLevelTorque, RefusesGainsThatAreNone) {
   };
   using O = LowLevelTorque::Options;
   EXPECT_EQ(error([](O& o) { o.torque_per_ampere(0) = 0; }),
-            "sum: first: torque_per_ampere must be > 0 N·m/A, got 0");
+            "sum: torque_per_ampere[first] must be > 0 N·m/A, got 0");
   EXPECT_EQ(error([](O& o) { o.reflected_inertia(1) = -1; }),
-            "error: second: reflected_inertia must be >= 0 kg·m², got -1");
+            "error: reflected_inertia[second] must be >= 0 kg·m², got -1");
   EXPECT_EQ(error([](O& o) { o.lag_gain = -1; }), "sum: lag_gain must be >= 0, got -1");
   EXPECT_EQ(error([](O& o) { o.friction.coulomb(0) = -3; }),
-            "friction: first: coulomb must be >= 0 N·m, got -3");
+            "friction: coulomb[first] must be >= 0 N·m, got -3");
   EXPECT_EQ(error([](O& o) { o.friction.velocity_threshold = 0; }),
             "friction: velocity_threshold must be > 0 rad/s, got 0");
   EXPECT_EQ(error([](O& o) { o.leak_time_s = 0; }), "leak: time_constant_s must be > 0, got 0");

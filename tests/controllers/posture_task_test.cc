@@ -83,7 +83,7 @@ TEST(PostureTask, RefusesOptionsThatMakeNoTask) {
   EXPECT_EQ(error([](O& o) { o.stiffness = PerJoint::Ones(3); }),
             "stiffness has an element for each of the 7 joints, got 3");
   EXPECT_EQ(error([](O& o) { o.damping = PerJoint::Constant(7, -1); }),
-            "every damping must be finite and >= 0, got -1 -1 -1 -1 -1 -1 -1");
+            "damping[joint_1] must be >= 0 1/s, got -1");
   EXPECT_EQ(error([](O& o) { o.weight = -2; }), "weight must be finite and > 0, got -2");
   EXPECT_EQ(error([](O& o) { o.compliance = JointMatrix::Identity(6, 6); }),
             "compliance must be 7 x 7, got 6 x 6");

@@ -99,7 +99,7 @@ TEST(ComplementaryFusion, RefusesGainsThatAreNone) {
     return ErrorOf([&] { ComplementaryFusion fusion(o); });
   };
   EXPECT_EQ(error(PerJoint::Ones(3)), "gain has an element for each of the 2 joints, got 3");
-  EXPECT_EQ(error(PerJoint::Constant(2, -1)), "every gain must be finite and > 0, got -1 -1");
+  EXPECT_EQ(error(PerJoint::Constant(2, -1)), "gain[joint_1] must be > 0 1/s, got -1");
 }
 
 }  // namespace

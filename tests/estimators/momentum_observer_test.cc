@@ -200,7 +200,7 @@ TEST(MomentumObserver, RefusesGainsThatAreNone) {
     return ErrorOf([&] { MomentumObserver o({.joints = joints, .gain = gain, .period = 1ms}); });
   };
   EXPECT_EQ(error(PerJoint::Ones(3)), "gain has an element for each of the 2 joints, got 3");
-  EXPECT_EQ(error(PerJoint::Zero(2)), "every gain must be finite and > 0, got 0 0");
+  EXPECT_EQ(error(PerJoint::Zero(2)), "gain[joint_1] must be > 0 1/s, got 0");
 }
 
 }  // namespace

@@ -206,7 +206,7 @@ TEST(Hand, RefusesWhatNoHandIs) {
     return ErrorOf([&] { Hand hand(o); });
   };
   using O = Hand::Options;
-  EXPECT_EQ(error([](O& o) { o.stiffness(1) = -1; }), "stiffness along y must be >= 0 N/m, got -1");
+  EXPECT_EQ(error([](O& o) { o.stiffness(1) = -1; }), "stiffness[y] must be >= 0 N/m, got -1");
   EXPECT_EQ(error([](O& o) { o.damping = NAN; }), "damping must be >= 0 N·s/m, got nan");
   EXPECT_THAT(error([](O& o) { o.point(0) = NAN; }), testing::HasSubstr("point must be finite"));
   EXPECT_THAT(error([](O& o) { o.link = "tool_fram"; }), testing::HasSubstr("tool_frame"));

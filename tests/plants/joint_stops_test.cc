@@ -156,11 +156,11 @@ TEST(JointStops, RefuseWhatIsNoStop) {
   };
   using O = JointStops::Options;
   EXPECT_EQ(error([](O& o) { o.stiffness(1) = 0; }),
-            "stiffness of joint_2 must be > 0 N·m/rad, got 0");
+            "stiffness[joint_2] must be > 0 N·m/rad, got 0");
   EXPECT_EQ(error([](O& o) { o.damping = PerJoint::Constant(7, -1); }),
-            "damping of joint_1 must be >= 0 s/rad, got -1");
+            "damping[joint_1] must be >= 0 s/rad, got -1");
   EXPECT_EQ(error([](O& o) { o.lower = JointPosition(PerJoint::Constant(7, 2.3)); }),
-            "lower of joint_2 must be < upper = 2.24, got 2.3");
+            "lower[joint_2] must be < upper = 2.24, got 2.3");
   EXPECT_EQ(error([](O& o) {
               o.upper = {1, 2};
             }),
@@ -170,7 +170,7 @@ TEST(JointStops, RefuseWhatIsNoStop) {
   EXPECT_EQ(ErrorOf([] {
               JointStops stops({.model = Gantry(1), .stiffness = PerJoint::Constant(3, -1)});
             }),
-            "stiffness of x must be > 0 N/m, got -1");
+            "stiffness[x] must be > 0 N/m, got -1");
 }
 
 }  // namespace

@@ -49,8 +49,7 @@ TEST(ModelDynamics, AddsTheInertiaOfRotors) {
   };
   EXPECT_EQ(error(PerJoint::Ones(2)),
             "rotor_inertia has an element for each of the 7 joints, got 2");
-  EXPECT_EQ(error(PerJoint::Constant(7, -1)),
-            "every rotor_inertia must be finite and >= 0, got -1 -1 -1 -1 -1 -1 -1");
+  EXPECT_EQ(error(PerJoint::Constant(7, -1)), "rotor_inertia[joint_1] must be >= 0 kg·m², got -1");
 }
 
 /// A Gen3 with damping and rotors that is pushed while gravity pulls it down.
@@ -199,12 +198,12 @@ TEST(SimbodyPlant, RefusesOptionsThatMakeNoPlant) {
               o.velocity = {1, 2, 3};
             }),
             "velocity has an element for each of the 7 joints, got 3");
-  EXPECT_THAT(error([](O& o) { o.position(3) = NAN; }),
-              testing::HasSubstr("position must be finite"));
+  EXPECT_EQ(error([](O& o) { o.position(3) = NAN; }),
+            "position[joint_4] must be finite rad, got nan");
   EXPECT_EQ(error([](O& o) { o.damping = PerJoint::Constant(7, -0.5); }),
-            "every damping must be >= 0, got -0.5");
+            "damping[joint_1] must be >= 0 N·m·s/rad, got -0.5");
   EXPECT_EQ(error([](O& o) { o.rotor_inertia = PerJoint::Constant(7, -2); }),
-            "every rotor_inertia must be >= 0, got -2");
+            "rotor_inertia[joint_1] must be >= 0 kg·m², got -2");
   EXPECT_EQ(error([](O& o) { o.frames.assign(9, "tool_frame"); }),
             "dynamics of at most 8 frames are computed, got 9");
   EXPECT_THAT(error([](O& o) { o.frames = {"tol_frame"}; }), testing::HasSubstr("tool_frame"));

@@ -152,11 +152,11 @@ TEST(Transmissions, RefuseWhatIsNoGear) {
   using P = ActuatorParameters;
   EXPECT_EQ(error([](P& p) { p.stiffness = 0; }), "small: stiffness must be > 0 N·m/rad, got 0");
   EXPECT_EQ(error([](P& p) { p.stiffness = kUnbounded; }),
-            "small: stiffness of a spring must be > 0 N·m/rad, got inf");
+            "stiffness of a spring[small] must be > 0 N·m/rad, got inf");
   EXPECT_EQ(error([](P& p) { p.rotor_inertia = -1e-5; }),
             "small: rotor_inertia must be >= 0 kg·m², got -1e-05");
   EXPECT_EQ(error([](P& p) { p.rotor_inertia = 0; }),
-            "small: rotor_inertia behind a spring must be > 0 kg·m², got 0");
+            "rotor_inertia behind a spring[small] must be > 0 kg·m², got 0");
   EXPECT_EQ(error([](P& p) { p.damping = -1; }), "small: damping must be >= 0 N·m·s/rad, got -1");
 }
 

@@ -36,5 +36,26 @@ TEST(RequireEachInRange, NamesTheElementWithItsUnit) {
   EXPECT_EQ(error(-3.0, "m", {}), "x must be >= 0 m, got -3");
 }
 
+TEST(RequireEachInRange, RefusesAnotherNumberOfElementsThanOfJoints) {
+  const Joints joints{"shoulder", "elbow"};
+  for (const int n : {0, 1, 3})
+    EXPECT_EQ(ErrorOf([&] {
+                RequireEachInRange("x", PerJoint(PerJoint::Ones(n)), "", kNotNegative, joints);
+              }),
+              "x has an element for each of the 2 joints, got " + Text(n));
+}
+
+TEST(EachInRangeOr0, IsZeroWhereItIsLeftOut) {
+  const Joints joints{"shoulder", "elbow"};
+  const auto checked = [&](const PerJoint& x) {
+    return EachInRangeOr0("x", x, "N·m", kNotNegative, joints);
+  };
+  EXPECT_EQ(checked(PerJoint{}), (PerJoint{{0.0, 0.0}}));
+  EXPECT_EQ(checked(PerJoint{{1.0, 2.0}}), (PerJoint{{1.0, 2.0}}));
+  EXPECT_EQ(ErrorOf([&] { checked(PerJoint{{1.0, -2.0}}); }), "x[elbow] must be >= 0 N·m, got -2");
+  EXPECT_EQ(ErrorOf([&] { checked(PerJoint::Ones(1)); }),
+            "x has an element for each of the 2 joints, got 1");
+}
+
 }  // namespace
 }  // namespace pliant
