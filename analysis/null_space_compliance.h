@@ -12,7 +12,7 @@ namespace pliant {
 /// compliances: none (Γ = 0), in the null space (Γ₀ = I), everywhere (all Γ = I).
 struct NullSpaceComplianceOptions {
   double duration_s = 6;
-  double push_N = 20;         ///< at the elbow and, later, at the tool
+  double push_N = 30;         ///< at the elbow and, later, at the tool; well above the friction
   double observer_gain = 50;  ///< K_I [1/s]
   bool ideal = false;         ///< torque sources and sensors without error
   std::uint64_t seed = 1;     ///< of the sensors' noise

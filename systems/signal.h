@@ -110,13 +110,8 @@ struct JointMomentum : JointSignal<JointMomentum> {
   using Rate = JointTorque;
   static constexpr Quantity quantity{"joint momentum", "N·m·s"};
 };
-struct MotorCurrentRate : JointSignal<MotorCurrentRate> {
-  using Signal::Signal;
-  static constexpr Quantity quantity{"motor current rate", "A/s"};
-};
 struct MotorCurrent : JointSignal<MotorCurrent> {
   using Signal::Signal;
-  using Rate = MotorCurrentRate;
   static constexpr Quantity quantity{"motor current", "A"};
 };
 

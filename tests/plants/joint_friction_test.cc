@@ -130,8 +130,9 @@ TEST(JointFriction, HoldsAnHourUnderAConstantLoad) {
     return std::abs(sim.Get(run.mass->position)(0) - q);
   };
   EXPECT_LT(crept(2.3), 1e-8);  // below β c: elastic, to the tolerance of the integrator
-  // Between β c and c any velocity slips in part, also that of rounding: 10⁻⁸ rad/s for an hour.
-  EXPECT_LT(crept(2.9), 3600e-8);
+  // Between β c and c any velocity slips in part, also what the integrator lets pass for none: an
+  // rms of 10⁻⁸ over three states, so up to √3 10⁻⁸ rad/s for an hour.
+  EXPECT_LT(crept(2.9), 3600 * std::sqrt(3) * 1e-8);
 }
 
 TEST(JointFriction, CreepsByLuGreUnderALoadThatShakes) {

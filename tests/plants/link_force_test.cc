@@ -49,8 +49,9 @@ TEST(LinkForce, FollowsATable) {
   sim.AdvanceTo(0.5);
   EXPECT_LT((sim.Get(force.contact).force - Eigen::Vector3d(10, -5, 0)).norm(), 1e-12);
   sim.AdvanceTo(1.5);
-  // The area under the profile over m; what a step over the kink at 1 s may err.
-  EXPECT_LT((sim.Get(s.plant.velocity) - JointVelocity({7.5, -3.75, 0.5})).norm(), 1e-9);
+  // The area under the profile over m. A step of h over the kink at 1 s, where the slope of v̇ jumps
+  // by 30 m/s³, errs by less than 30 h²/2; h ≤ 0.5 ms.
+  EXPECT_LT((sim.Get(s.plant.velocity) - JointVelocity({7.5, -3.75, 0.5})).norm(), 4e-6);
 }
 
 TEST(LinkForce, GivesTheArmTheEnergyItSays) {
