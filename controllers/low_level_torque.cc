@@ -1,6 +1,6 @@
 #include "pliant/controllers/low_level_torque.h"
 
-#include "pliant/controllers/kinova_lag.h"
+#include "pliant/plants/kinova_lag.h"
 #include "pliant/systems/discrete_transfer_function.h"
 #include "pliant/systems/elements.h"
 #include "pliant/systems/leaky_integrator.h"
@@ -70,6 +70,9 @@ LowLevelTorque::LowLevelTorque(const Options& o)
       measured_torque{this, "measured_torque", o.joints},
       current{this, "current", o.joints},
       error{this, "error", o.joints} {
+  Require(o.lag_gain == 0 || o.period == KinovaLag::period,
+          "period must be " + KinovaLag::period.text() + " where lag_gain is > 0: H is made for it",
+          o.period.text());
   FrictionCompensation::Options friction = o.friction;
   friction.joints = o.joints;
   auto& miss = Add<TorqueError>("error", o.joints, o.reflected_inertia);

@@ -2,30 +2,11 @@
 
 #include "pliant/systems/constant.h"
 #include "pliant/systems/hold.h"
+#include "pliant/systems/sum.h"
 
 namespace pliant {
 
 namespace {
-
-/// What the parts of an arm have and lose, added up.
-class EnergySum final : public Block {
- public:
-  EnergySum()
-      : energies{this, "energies"},
-        dissipations{this, "dissipations"},
-        energy{this, "energy"},
-        dissipation{this, "dissipation"} {
-    const auto sum = [](const Joined<double>& parts) {
-      double all = 0;
-      for (int i = 0; i < parts.size(); ++i) all += parts[i];
-      return all;
-    };
-    Compute(energy).From(energies).As(sum);
-    Compute(dissipation).From(dissipations).As(sum);
-  }
-  InputList<double> energies, dissipations;
-  Output<double> energy, dissipation;
-};
 
 class StatusSensor final : public Block {
  public:
@@ -48,9 +29,7 @@ class StatusSensor final : public Block {
 };
 
 JointPosition StartOf(const SimulatedArm::Options& o) {
-  Require(o.position.size() == o.model.size(),
-          "position has an element for each of the " + Text(o.model.size()) + " joints",
-          o.position.size());
+  RequireOneForEach(o.model.joints(), "position", o.position.size());
   return o.position;
 }
 
@@ -108,9 +87,7 @@ SimulatedArm::SimulatedArm(const Options& o)
             o.wrist->period.text());
   const ArmActuators parameters =
       o.actuators.joint.empty() ? ArmActuators::Ideal(joints) : o.actuators;
-  Require(static_cast<int>(parameters.joint.size()) == joints.size(),
-          "actuators has an element for each of the " + Text(joints.size()) + " joints",
-          parameters.joint.size());
+  RequireOneForEach(joints, "actuators", std::ssize(parameters.joint));
   const PerJoint rotors = parameters.reflected_inertia();
 
   SimbodyPlant::Options body{.model = o.model,
@@ -138,27 +115,8 @@ SimulatedArm::SimulatedArm(const Options& o)
   sampled.period = o.period;
   auto& sensors = Add<JointSensors>("sensors", sampled);
   auto& status_sensor = Add<StatusSensor>("status", o.period);
-  auto& sum = Add<EnergySum>("energy");
-  if (o.wrist) {
-    auto& wrist = Add<WristSensor>("wrist", *o.wrist);
-    Connect(plant.motion, wrist.motion);
-    Connect(plant.acceleration, wrist.acceleration);
-    Connect(contacts, wrist.contacts);
-    Connect(wrist.wrench, wrench);
-  } else {
-    auto& none = Add<Constant<Wrench>>("wrist", {.value = Wrench()});
-    Connect(none.y, wrench);
-  }
-  if (o.stops) {
-    auto& stops = Add<JointStops>("stops", *o.stops);
-    Connect(plant.position, stops.position);
-    Connect(plant.velocity, stops.velocity);
-    Connect(stops.torque, plant.loads);
-    Connect(stops.stopped, status_sensor.stopped);
-    Connect(stops.energy, sum.energies);
-    Connect(stops.dissipation, sum.dissipations);
-  }
-
+  auto& energies = Add<Sum<double>>("energies", {});
+  auto& losses = Add<Sum<double>>("losses", {});
   const auto pass = [&]<class S>(const std::string& name, const auto& from, auto& to,
                                  const S& before,
                                  const typename internal::SpaceOf<S>::type& space) {
@@ -170,6 +128,26 @@ SimulatedArm::SimulatedArm(const Options& o)
       Connect(hold.y, to);
     }
   };
+  if (o.wrist) {
+    auto& wrist = Add<WristSensor>("wrist", *o.wrist);
+    Connect(plant.motion, wrist.motion);
+    Connect(plant.acceleration, wrist.acceleration);
+    Connect(contacts, wrist.contacts);
+    pass("measured_wrench", wrist.wrench, wrench, Wrench(), Frame(o.wrist->frame));
+  } else {
+    auto& none = Add<Constant<Wrench>>("wrist", {.value = Wrench()});
+    Connect(none.y, wrench);
+  }
+  if (o.stops) {
+    auto& stops = Add<JointStops>("stops", *o.stops);
+    Connect(plant.position, stops.position);
+    Connect(plant.velocity, stops.velocity);
+    Connect(stops.torque, plant.loads);
+    Connect(stops.stopped, status_sensor.stopped);
+    Connect(stops.energy, energies.plus);
+    Connect(stops.dissipation, losses.plus);
+  }
+
   pass("mode", mode, firmware.mode, o.firmware.mode, {});
   pass("position_command", position_command, firmware.position_command, o.position, joints);
   pass("torque_command", torque_command, firmware.torque_command, JointTorque::Zero(joints),
@@ -193,10 +171,10 @@ SimulatedArm::SimulatedArm(const Options& o)
   Connect(sensors.measured_torque, firmware.torque);
   Connect(firmware.active, status_sensor.mode);
   Connect(actuators.saturated, status_sensor.saturated);
-  Connect(plant.energy, sum.energies);
-  Connect(actuators.energy, sum.energies);
-  Connect(plant.dissipation, sum.dissipations);
-  Connect(actuators.dissipation, sum.dissipations);
+  Connect(plant.energy, energies.plus);
+  Connect(actuators.energy, energies.plus);
+  Connect(plant.dissipation, losses.plus);
+  Connect(actuators.dissipation, losses.plus);
 
   pass("measured_position", sensors.measured_position, measured_position, o.position, joints);
   pass("measured_velocity", sensors.measured_velocity, measured_velocity,
@@ -211,8 +189,8 @@ SimulatedArm::SimulatedArm(const Options& o)
   Connect(plant.acceleration, acceleration);
   Connect(plant.motion, motion);
   Connect(actuators.joint_torque, joint_torque);
-  Connect(sum.energy, energy);
-  Connect(sum.dissipation, dissipation);
+  Connect(energies.y, energy);
+  Connect(losses.y, dissipation);
   Connect(actuators.power, power);
 }
 

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "pliant/controllers/arm_firmware.h"
 #include "pliant/plants/actuators.h"
+#include "pliant/plants/arm_firmware.h"
 #include "pliant/plants/joint_sensors.h"
 #include "pliant/plants/joint_stops.h"
 #include "pliant/plants/simbody_plant.h"
@@ -13,23 +13,6 @@
 #include "pliant/systems/composite.h"
 
 namespace pliant {
-
-/// What a station says of itself.
-struct ArmStatus {
-  using Space = Nothing;
-  static constexpr Quantity quantity{"arm status", ""};
-
-  ControlMode mode = ControlMode::Current;  ///< the one that acts
-  JointBits saturated = 0;                  ///< joints whose current or torque is cut
-  int stopped = 0;                          ///< how many joints are at a hard stop
-
-  template <class Visitor>
-  void Fields(Visitor&& f) {
-    f("mode", mode, "");
-    f("saturated", saturated, "");
-    f("stopped", stopped, "");
-  }
-};
 
 /// A simulated arm behind the ports of a real one: a mode and commands in; samples of its sensors
 /// out.

@@ -29,8 +29,8 @@ SimulatedArm::Options Station(const RobotModel& model, const StationOptions& o,
 
 /// Torque offsets as in recordings of an LWR4+ (kjyv/FloBaRoID, data/KUKA/HW); noise of a Franka
 /// Panda, since none of this arm is published.
-JointSensors::Options LwrJointSensors(const Joints& joints, std::uint64_t seed) {
-  JointSensors::Options sensors = Gen3JointSensors(joints, 1ms, seed);
+JointSensors::Options LwrJointSensors(const Joints& joints, Duration period, std::uint64_t seed) {
+  JointSensors::Options sensors = Gen3JointSensors(joints, period, seed);
   sensors.torque_bias = JointTorque{0.85, 0.67, -0.10, -0.34, -0.66, 0.57, -0.10};
   return sensors;
 }
@@ -54,7 +54,7 @@ SimulatedArm::Options SimulatedGen3(const RobotModel& model, const StationOption
 
 SimulatedArm::Options SimulatedLwr(const RobotModel& model, const StationOptions& o) {
   SimulatedArm::Options station = Station(model, o, "lwr/actuators.yaml");
-  if (!o.ideal) station.sensors = LwrJointSensors(model.joints(), o.seed);
+  if (!o.ideal) station.sensors = LwrJointSensors(model.joints(), station.period, o.seed);
   station.firmware.compensated = model;
   station.interface_period = 5ms;
   return station;

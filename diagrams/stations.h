@@ -7,10 +7,12 @@
 
 namespace pliant {
 
-/// Which of the effects of a real arm a station has.
+/// Where a station starts, and how much of a real arm it has.
 struct StationOptions {
   JointPosition position;  ///< q at the start [rad]
-  bool ideal = false;      ///< torque sources and sensors without error; the rotors turn with links
+  /// Torque sources whose rotors turn with the links, exact joint sensors, no hard stops. What is
+  /// left of a wrist sensor is its delay and range, of the LWR its interface.
+  bool ideal = false;
   std::uint64_t seed = 1;  ///< of the sensors' noise and bias
   SimbodyPlant::Engine engine = SimbodyPlant::Engine::Simbody;
 };

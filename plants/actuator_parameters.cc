@@ -33,15 +33,15 @@ ArmActuators From(const ParameterFile& file, const Joints& joints) {
   return arm;
 }
 
-template <class V>
-V Each(const std::vector<ActuatorParameters>& joints, auto figure) {
-  V all;
-  all.resize(static_cast<Eigen::Index>(joints.size()));
-  std::ranges::transform(joints, all.data(), figure);
-  return all;
-}
-
 }  // namespace
+
+const std::vector<ActuatorParameters>& Checked(const Joints& joints,
+                                               const std::vector<ActuatorParameters>& actuators) {
+  RequireOneForEach(joints, "actuators", std::ssize(actuators));
+  for (int j = 0; j < joints.size(); ++j)
+    RequireInRange(joints[j], actuators[static_cast<std::size_t>(j)]);
+  return actuators;
+}
 
 ArmActuators ArmActuators::Read(const std::filesystem::path& file, const Joints& joints) {
   return From(ParameterFile::Read(file), joints);
@@ -68,15 +68,15 @@ ArmActuators ArmActuators::Ideal(const Joints& joints, const PerJoint& reflected
 }
 
 PerJoint ArmActuators::reflected_inertia() const {
-  return Each<PerJoint>(joint, &ActuatorParameters::reflected_inertia);
+  return FiguresOf(joint, &ActuatorParameters::reflected_inertia);
 }
 
 PerJoint ArmActuators::torque_per_ampere() const {
-  return Each<PerJoint>(joint, &ActuatorParameters::torque_per_ampere);
+  return FiguresOf(joint, &ActuatorParameters::torque_per_ampere);
 }
 
 JointTorque ArmActuators::torque_limit() const {
-  return Each<JointTorque>(joint, &ActuatorParameters::torque_limit);
+  return FiguresOf(joint, &ActuatorParameters::torque_limit);
 }
 
 }  // namespace pliant

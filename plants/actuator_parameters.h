@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <filesystem>
 #include <vector>
 
@@ -15,14 +16,14 @@ enum class Transmission { Rigid, Elastic };
 /// The actuator of one joint. All but K_T, G_r, J and the current is behind the gear.
 struct ActuatorParameters {
   double gear_ratio = kToBeGiven;       ///< G_r
-  double torque_constant = kToBeGiven;  ///< K_T
+  double torque_constant = kToBeGiven;  ///< K_T [N·m/A]
   double efficiency = 1;                ///< η, of the gear
-  double rotor_inertia = kToBeGiven;    ///< J
-  double current_limit = kToBeGiven;
-  double torque_limit = kToBeGiven;
-  double current_time_constant = 0;  ///< θ of the current loop; 0: the current follows at once
-  double stiffness = kToBeGiven;     ///< K of the transmission
-  double damping = 0;                ///< D of the transmission
+  double rotor_inertia = kToBeGiven;    ///< J [kg·m²]
+  double current_limit = kToBeGiven;    ///< [A]
+  double torque_limit = kToBeGiven;     ///< [N·m]
+  double current_time_constant = 0;     ///< θ of the current loop [s]; 0: follows at once
+  double stiffness = kToBeGiven;        ///< K of the transmission [N·m/rad]
+  double damping = 0;                   ///< D of the transmission [N·m·s/rad]
   FrictionParameters friction;
 
   template <class F>
@@ -44,6 +45,18 @@ struct ActuatorParameters {
 
   bool operator==(const ActuatorParameters&) const = default;
 };
+
+/// `actuators`, one for each joint, each figure in its range; throws with the joint's name if not.
+const std::vector<ActuatorParameters>& Checked(const Joints& joints,
+                                               const std::vector<ActuatorParameters>& actuators);
+
+/// A figure of every joint, such as &ActuatorParameters::stiffness.
+template <class Figure>
+PerJoint FiguresOf(const std::vector<ActuatorParameters>& actuators, Figure figure) {
+  PerJoint all(static_cast<Eigen::Index>(actuators.size()));
+  std::ranges::transform(actuators, all.data(), figure);
+  return all;
+}
 
 /// The actuators of an arm, in the order of its joints.
 struct ArmActuators {

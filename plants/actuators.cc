@@ -4,29 +4,17 @@
 
 #include "pliant/plants/joint_friction.h"
 #include "pliant/plants/transmission.h"
+#include "pliant/systems/sum.h"
 
 namespace pliant {
 
 namespace {
 
-/// Energies and powers of the parts, added up.
-class Sums final : public Block {
+/// P = τ_mᵀ ω
+class MotorPower final : public Block {
  public:
-  explicit Sums(const Joints& joints)
-      : torque{this, "torque", joints},
-        velocity{this, "velocity", joints},
-        energies{this, "energies"},
-        dissipations{this, "dissipations"},
-        energy{this, "energy"},
-        dissipation{this, "dissipation"},
-        power{this, "power"} {
-    const auto sum = [](const Joined<double>& parts) {
-      double all = 0;
-      for (int i = 0; i < parts.size(); ++i) all += parts[i];
-      return all;
-    };
-    Compute(energy).From(energies).As(sum);
-    Compute(dissipation).From(dissipations).As(sum);
+  explicit MotorPower(const Joints& joints)
+      : torque{this, "torque", joints}, velocity{this, "velocity", joints}, power{this, "power"} {
     Compute(power)
         .From(torque, velocity)
         .As([](const JointTorque& tau, const JointVelocity& omega) { return tau.dot(omega); });
@@ -34,8 +22,7 @@ class Sums final : public Block {
 
   Input<JointTorque> torque;
   Input<JointVelocity> velocity;
-  InputList<double> energies, dissipations;
-  Output<double> energy, dissipation, power;
+  Output<double> power;
 };
 
 }  // namespace
@@ -57,7 +44,11 @@ Actuators::Actuators(const Options& o)
       power{this, "power"} {
   const std::vector<ActuatorParameters>& parameters = o.parameters.joint;
   MotorCurrent carrying;
-  if (o.load.size() > 0) carrying = o.load.cwiseQuotient(o.parameters.torque_per_ampere());
+  if (o.load.size() > 0) {
+    RequireOneForEach(o.joints, "load", o.load.size());
+    carrying = o.load.cwiseQuotient(
+        FiguresOf(Checked(o.joints, parameters), &ActuatorParameters::torque_per_ampere));
+  }
   std::vector<FrictionParameters> dry(parameters.size());
   std::ranges::transform(parameters, dry.begin(), &ActuatorParameters::friction);
 
@@ -66,17 +57,19 @@ Actuators::Actuators(const Options& o)
       {.joints = o.joints, .parameters = parameters, .current = carrying, .period = o.period});
   auto& rub = Add<JointFriction>(
       "friction", {.joints = o.joints, .law = o.parameters.friction, .parameters = dry});
-  auto& sums = Add<Sums>("sums", o.joints);
+  auto& energies = Add<Sum<double>>("energies", {});
+  auto& losses = Add<Sum<double>>("losses", {});
+  auto& motors = Add<MotorPower>("motors", o.joints);
   Connect(command, drive.command);
-  Connect(rub.energy, sums.energies);
-  Connect(rub.dissipation, sums.dissipations);
-  Connect(drive.torque, sums.torque);
+  Connect(rub.energy, energies.plus);
+  Connect(rub.dissipation, losses.plus);
+  Connect(drive.torque, motors.torque);
 
   if (o.parameters.transmission == Transmission::Rigid) {
     auto& gear =
         Add<RigidTransmission>("transmission", {.joints = o.joints, .parameters = parameters});
     Connect(velocity, rub.velocity);
-    Connect(velocity, sums.velocity);
+    Connect(velocity, motors.velocity);
     Connect(drive.torque, gear.motor_torque);
     Connect(rub.torque, gear.friction);
     Connect(acceleration, gear.acceleration);
@@ -90,7 +83,7 @@ Actuators::Actuators(const Options& o)
                                                            .velocity = o.velocity,
                                                            .load = o.load});
     Connect(gear.motor_velocity, rub.velocity);
-    Connect(gear.motor_velocity, sums.velocity);
+    Connect(gear.motor_velocity, motors.velocity);
     Connect(drive.torque, gear.motor_torque);
     Connect(rub.torque, gear.friction);
     Connect(position, gear.position);
@@ -98,16 +91,16 @@ Actuators::Actuators(const Options& o)
     Connect(gear.joint_torque, torque);
     Connect(gear.joint_torque, joint_torque);
     Connect(gear.motor_velocity, motor_velocity);
-    Connect(gear.energy, sums.energies);
-    Connect(gear.dissipation, sums.dissipations);
+    Connect(gear.energy, energies.plus);
+    Connect(gear.dissipation, losses.plus);
   }
   Connect(drive.current, current);
   Connect(drive.torque, motor_torque);
   Connect(rub.torque, friction);
   Connect(drive.saturated, saturated);
-  Connect(sums.energy, energy);
-  Connect(sums.dissipation, dissipation);
-  Connect(sums.power, power);
+  Connect(energies.y, energy);
+  Connect(losses.y, dissipation);
+  Connect(motors.power, power);
 }
 
 }  // namespace pliant

@@ -20,7 +20,7 @@ namespace pliant {
 /// z is the mean deflection of the bristles between the surfaces, σ₀ z → g(ω) sgn(ω) at constant ω.
 /// α = 0 while |z| is below z_b = β c/σ₀ or z opposes ω, 1 from g(ω)/σ₀ on, and a sine between:
 /// below break-away the bristles only bend, so an arm at rest stays where it is under any load that
-/// varies. LuGre's arm creeps. The first two have no rest: they creep at |ω| ≪ ω₀.
+/// varies. LuGre's arm creeps. CoulombViscous and Stribeck have no rest: they creep at |ω| ≪ ω₀.
 ///
 /// Both bristle laws take energy only, at every instant, if d ≥ σ₁ (s − c)/c, so always for s = c.
 ///
@@ -33,20 +33,20 @@ const std::vector<std::string>& FrictionLawNames();
 
 /// Of one joint, behind the gear.
 struct FrictionParameters {
-  double coulomb = kToBeGiven;     ///< c
-  double viscous = kToBeGiven;     ///< d
-  double stiction = kToBeGiven;    ///< s, the torque that breaks the joint away slowly
-  double stribeck_velocity = 0.1;  ///< ω_s
-  double zero_velocity = 1e-3;     ///< ω₀, of the laws without bristles
-  double bristle_stiffness = 1e4;  ///< σ₀
-  double bristle_damping = 0;      ///< σ₁
+  double coulomb = kToBeGiven;     ///< c [N·m]
+  double viscous = kToBeGiven;     ///< d [N·m·s/rad]
+  double stiction = kToBeGiven;    ///< s ≥ c, breaks the joint away slowly [N·m]
+  double stribeck_velocity = 0.1;  ///< ω_s [rad/s]
+  double zero_velocity = 1e-3;     ///< ω₀, of the laws without bristles [rad/s]
+  double bristle_stiffness = 1e4;  ///< σ₀ [N·m/rad]
+  double bristle_damping = 0;      ///< σ₁ [N·m·s/rad]
   double elastic_part = 0.8;       ///< β, the part of c up to which bristles only bend
 
   template <class F>
   void Parameters(F&& f) {
     f("coulomb", coulomb, "N·m", kNotNegative);
     f("viscous", viscous, "N·m·s/rad", kNotNegative);
-    f("stiction", stiction, "N·m", kNotNegative);
+    f("stiction", stiction, "N·m", Range{.least = coulomb});
     f("stribeck_velocity", stribeck_velocity, "rad/s", kPositive);
     f("zero_velocity", zero_velocity, "rad/s", kPositive);
     f("bristle_stiffness", bristle_stiffness, "N·m/rad", kPositive);

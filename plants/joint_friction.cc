@@ -1,5 +1,7 @@
 #include "pliant/plants/joint_friction.h"
 
+#include <algorithm>
+
 namespace pliant {
 
 JointFriction::JointFriction(const Options& o)
@@ -14,8 +16,12 @@ JointFriction::JointFriction(const Options& o)
   RequireOneForEach(o.joints, "parameters", std::ssize(p_));
   for (int j = 0; j < o.joints.size(); ++j)
     RequireInRange(o.joints[j], p_[static_cast<std::size_t>(j)]);
+  const auto slips_dry = [](const FrictionParameters& p) {
+    return p.stiction > 0 && p.coulomb == 0;
+  };
 
   if (law_ == FrictionLaw::LuGre || law_ == FrictionLaw::ElastoPlastic) {
+    Require(std::ranges::none_of(p_, slips_dry), "coulomb must be > 0 where stiction is");
     z_.emplace(this, "z", o.joints);
     Compute(zdot_).From(*z_, velocity).As(&JointFriction::Bend);
     Derivative(*z_).From(zdot_).As([](const JointVelocity& zdot) { return zdot; });

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "pliant/systems/elements.h"
+
 namespace pliant {
 
 MotorDrive::MotorDrive(const Options& o)
@@ -9,22 +11,14 @@ MotorDrive::MotorDrive(const Options& o)
       current{this, "current", o.joints},
       torque{this, "torque", o.joints},
       saturated{this, "saturated"},
+      i_max_{FiguresOf(Checked(o.joints, o.parameters), &ActuatorParameters::current_limit)},
+      tau_max_{FiguresOf(o.parameters, &ActuatorParameters::torque_limit)},
+      theta_{FiguresOf(o.parameters, &ActuatorParameters::current_time_constant)},
+      per_ampere_{FiguresOf(o.parameters, &ActuatorParameters::torque_per_ampere)},
       start_{this,
              "start",
              {},
-             Start{.i = o.current.size() > 0 ? o.current : MotorCurrent::Zero(o.joints)}} {
-  const int n = o.joints.size();
-  RequireOneForEach(o.joints, "parameters", std::ssize(o.parameters));
-  for (PerJoint* figure : {&i_max_, &tau_max_, &theta_, &per_ampere_}) figure->resize(n);
-  for (int j = 0; j < n; ++j) {
-    const ActuatorParameters& p = o.parameters[static_cast<std::size_t>(j)];
-    RequireInRange(o.joints[j], p);
-    i_max_(j) = p.current_limit;
-    tau_max_(j) = p.torque_limit;
-    theta_(j) = p.current_time_constant;
-    per_ampere_(j) = p.torque_per_ampere();
-  }
-
+             Start{.i = EachInRangeOr0("current", o.current, "A", kAnyNumber, o.joints)}} {
   Every(o.period).Update(start_).From(current, clock).As([](const MotorCurrent& i, double t) {
     return Start{i, t};
   });

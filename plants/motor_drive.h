@@ -1,12 +1,10 @@
 #pragma once
 
 #include "pliant/plants/actuator_parameters.h"
+#include "pliant/plants/arm_status.h"
 #include "pliant/systems/block.h"
 
 namespace pliant {
-
-/// A bit for each joint: 1, 2, 4, … for the first, second, third.
-using JointBits = std::uint32_t;
 
 /// The motors of an arm with their current loops, for a command that is held from tick to tick:
 ///
@@ -49,7 +47,7 @@ class MotorDrive final : public Block {
   JointTorque Turn(const MotorCurrent& i) const;
   JointBits Cut(const MotorCurrent& command, const MotorCurrent& i) const;
 
-  PerJoint i_max_, tau_max_, theta_, per_ampere_;
+  const PerJoint i_max_, tau_max_, theta_, per_ampere_;
   Discrete<Start> start_;
 };
 

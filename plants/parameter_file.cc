@@ -155,23 +155,17 @@ double ParameterFile::number() const {
   return value;
 }
 
-bool ParameterFile::flag() const {
-  bool value = false;
-  if (!node_->yaml.IsScalar() || !YAML::convert<bool>::decode(node_->yaml, value))
-    Fail("expected true or false, got " + KindOf(node_->yaml));
-  return value;
-}
-
 std::string ParameterFile::text() const {
   if (!node_->yaml.IsScalar()) Fail("expected a word, got " + KindOf(node_->yaml));
   return node_->yaml.Scalar();
 }
 
 std::size_t ParameterFile::OneOf(const std::vector<std::string>& known) const {
-  const std::string word = Short(text());
+  const std::string word = text();
   const auto found = std::ranges::find(known, word);
   if (found == known.end())
-    Fail("expected one of " + Listed(known) + ", got '" + word + "'" + DidYouMean(word, known));
+    Fail("expected one of " + Listed(known) + ", got '" + Short(word) + "'" +
+         DidYouMean(Short(word), known));
   return static_cast<std::size_t>(found - known.begin());
 }
 

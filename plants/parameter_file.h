@@ -24,7 +24,6 @@ class ParameterFile {
   static ParameterFile ReadText(const std::string& text, const std::string& source = "YAML");
 
   double number() const;
-  bool flag() const;
   std::string text() const;
   /// One of `known`; its index.
   std::size_t OneOf(const std::vector<std::string>& known) const;
@@ -51,9 +50,6 @@ class ParameterFile {
 
   void Assign(double& value, std::string_view name, std::string_view unit,
               const Range& range) const;
-  void Assign(bool& value, std::string_view, std::string_view, const Range&) const {
-    value = flag();
-  }
   void RequireGiven(double value, std::string_view name) const;
 
   std::shared_ptr<const Node> node_;

@@ -4,34 +4,13 @@
 
 namespace pliant {
 
-namespace {
-
-PerJoint Figure(const Joints& joints, const std::vector<ActuatorParameters>& parameters,
-                auto figure) {
-  RequireOneForEach(joints, "parameters", std::ssize(parameters));
-  PerJoint all(joints.size());
-  for (int j = 0; j < joints.size(); ++j) {
-    const ActuatorParameters& p = parameters[static_cast<std::size_t>(j)];
-    RequireInRange(joints[j], p);
-    all(j) = std::invoke(figure, p);
-  }
-  return all;
-}
-
-template <class V>
-V Or0(const V& x, const Joints& joints) {
-  return x.size() > 0 ? x : V::Zero(joints);
-}
-
-}  // namespace
-
 RigidTransmission::RigidTransmission(const Options& o)
     : motor_torque{this, "motor_torque", o.joints},
       friction{this, "friction", o.joints, JointTorque::Zero(o.joints)},
       acceleration{this, "acceleration", o.joints},
       torque{this, "torque", o.joints},
       joint_torque{this, "joint_torque", o.joints},
-      B_{Figure(o.joints, o.parameters, &ActuatorParameters::reflected_inertia)} {
+      B_{FiguresOf(Checked(o.joints, o.parameters), &ActuatorParameters::reflected_inertia)} {
   Compute(torque)
       .From(motor_torque, friction)
       .As([](const JointTorque& tau_m, const JointTorque& tau_f) {
@@ -54,11 +33,12 @@ ElasticTransmission::ElasticTransmission(const Options& o)
       motor_velocity{this, "motor_velocity", o.joints},
       energy{this, "energy"},
       dissipation{this, "dissipation"},
-      B_{Figure(o.joints, o.parameters, &ActuatorParameters::reflected_inertia)},
-      K_{Figure(o.joints, o.parameters, &ActuatorParameters::stiffness)},
-      D_{Figure(o.joints, o.parameters, &ActuatorParameters::damping)},
-      theta_{this, "theta", o.joints, o.position + Or0(o.load, o.joints).cwiseQuotient(K_)},
-      omega_{this, "omega", o.joints, Or0(o.velocity, o.joints)} {
+      B_{FiguresOf(Checked(o.joints, o.parameters), &ActuatorParameters::reflected_inertia)},
+      K_{FiguresOf(o.parameters, &ActuatorParameters::stiffness)},
+      D_{FiguresOf(o.parameters, &ActuatorParameters::damping)},
+      theta_{this, "theta", o.joints, Start(o)},
+      omega_{this, "omega", o.joints,
+             EachInRangeOr0("velocity", o.velocity, "rad/s", kAnyNumber, o.joints)} {
   RequireEachInRange("rotor_inertia behind a spring", B_, "kg·m²", kPositive, o.joints);
   RequireEachInRange("stiffness of a spring", K_, "N·m/rad", kPositive, o.joints);
   Derivative(theta_).From(omega_).As([](const JointVelocity& omega) { return omega; });
@@ -70,6 +50,12 @@ ElasticTransmission::ElasticTransmission(const Options& o)
   Compute(motor_velocity).From(omega_).As([](const JointVelocity& omega) { return omega; });
   Compute(energy).From(theta_, omega_, position).As(&ElasticTransmission::Energy);
   Compute(dissipation).From(omega_, velocity).As(&ElasticTransmission::Dissipate);
+}
+
+JointPosition ElasticTransmission::Start(const Options& o) {
+  RequireEachInRange("position", o.position, "rad", kAnyNumber, o.joints);
+  return o.position + EachInRangeOr0("load", o.load, "N·m", kAnyNumber, o.joints)
+                          .cwiseQuotient(FiguresOf(o.parameters, &ActuatorParameters::stiffness));
 }
 
 JointTorque ElasticTransmission::Spring(const JointPosition& theta, const JointVelocity& omega,

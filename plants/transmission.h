@@ -29,7 +29,7 @@ class RigidTransmission final : public Block {
  private:
   JointTorque Measure(const JointTorque& tau, const JointAcceleration& a) const;
 
-  PerJoint B_;
+  const PerJoint B_;
 };
 
 /// Rotors behind springs, which are what a torque sensor measures:
@@ -69,7 +69,9 @@ class ElasticTransmission final : public Block {
                 const JointPosition& q) const;
   double Dissipate(const JointVelocity& omega, const JointVelocity& v) const;
 
-  PerJoint B_, K_, D_;
+  static JointPosition Start(const Options& o);
+
+  const PerJoint B_, K_, D_;
   Continuous<JointPosition> theta_;
   Continuous<JointVelocity> omega_;
 };

@@ -1,6 +1,6 @@
-#include "pliant/controllers/arm_firmware.h"
+#include "pliant/plants/arm_firmware.h"
 
-#include "pliant/controllers/kinova_lag.h"
+#include "pliant/plants/kinova_lag.h"
 #include "pliant/systems/elements.h"
 
 namespace pliant {
@@ -19,7 +19,8 @@ ArmFirmware::ArmFirmware(const Options& o)
       state_{this,
              "state",
              {},
-             State{.torque = o.load.size() > 0 ? o.load : JointTorque::Zero(o.joints),
+             State{.mode = o.mode,
+                   .torque = EachInRangeOr0("load", o.load, "N·m", kAnyNumber, o.joints),
                    .integral = JointTorque::Zero(o.joints),
                    .position_command = JointPosition::Zero(o.joints),
                    .e1 = PerJoint::Zero(o.joints.size()),
@@ -35,6 +36,11 @@ ArmFirmware::ArmFirmware(const Options& o)
   RequireEachInRange("torque_limit", o.torque_limit, "N·m", kLimit, o.joints);
   RequireInRange("", "torque_feedforward", o.torque_feedforward, "", kNotNegative);
   RequireInRange("", "torque_feedback", o.torque_feedback, "", kNotNegative);
+
+  Require(o.torque_feedback == 0 || o.period == KinovaLag::period,
+          "period must be " + KinovaLag::period.text() +
+              " where torque_feedback is > 0: H is made for it",
+          o.period.text());
 
   Every(o.period)
       .Update(state_)

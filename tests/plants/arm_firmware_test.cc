@@ -1,4 +1,4 @@
-#include "pliant/controllers/arm_firmware.h"
+#include "pliant/plants/arm_firmware.h"
 
 #include <gtest/gtest.h>
 

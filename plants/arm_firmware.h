@@ -2,14 +2,11 @@
 
 #include <optional>
 
+#include "pliant/plants/arm_status.h"
 #include "pliant/plants/robot_dynamics.h"
 #include "pliant/systems/block.h"
 
 namespace pliant {
-
-/// What an arm is told: where to be, what torque to have in its joints, or what current in its
-/// motors.
-enum class ControlMode { Position, Torque, Current };
 
 /// What an arm does by itself with its commands, every h:
 ///
@@ -20,7 +17,7 @@ enum class ControlMode { Position, Torque, Current };
 ///
 /// q̇_d is the difference of the last two commands, ω the velocity of the rotors, κ the torque per
 /// ampere behind the gear. g is the gravity torque of `compensated`, for arms that carry their own
-/// weight; without, 0. H is KinovaLag, made for h = 1 ms; what the vendor adds to it is not
+/// weight; without, 0. H is KinovaLag; what the vendor adds to it is not
 /// published, so f and k are parameters. On a change of mode H starts at rest and the integral
 /// takes over the torque that was there.
 ///
@@ -56,7 +53,7 @@ class ArmFirmware final : public Block {
 
  private:
   struct State {
-    ControlMode mode = ControlMode::Current;
+    ControlMode mode = ControlMode::Torque;
     JointTorque torque, integral;    ///< τ_m, ∫
     JointPosition position_command;  ///< q_d of the tick before
     PerJoint e1, e2, y1, y2;         ///< H's memory
