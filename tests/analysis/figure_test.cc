@@ -111,6 +111,20 @@ TEST_F(DrawFigureTest, DrawsWhatHasNoNumbers) {
   EXPECT_THAT(Draw(OneCurve({3}, {4})), HasSubstr("</svg>"));
 }
 
+// 1e-6 to 1e-2 with 6 % of the decades as room: 10^−6.24 to 10^−1.76.
+TEST_F(DrawFigureTest, LogarithmicAxesShowEveryDecadeAndLeaveOutWhatIsNotAboveZero) {
+  Figure figure = OneCurve({1, 10, 100}, {1e-6, 0, 1e-2});
+  figure.panels[0].x.logarithmic = figure.panels[0].left.logarithmic = true;
+  EXPECT_THAT(Draw(figure), HasSubstr("</svg>"));
+  const std::string script = ReadText(File("one.gp"));
+  EXPECT_THAT(script, HasSubstr("set logscale x\n"));
+  EXPECT_THAT(script, HasSubstr("set logscale y\nset yrange [5.75"));
+  EXPECT_THAT(script, HasSubstr("unset logscale y2\n"));
+  figure.panels[0].left.from = 0;
+  EXPECT_THAT(ErrorOfDrawing(figure),
+              HasSubstr("the ends of a logarithmic axis are > 0 and finite, got 0"));
+}
+
 TEST_F(DrawFigureTest, DrawsBothSidesBandsLimitsAndBars) {
   Figure figure{.name = "all", .columns = 2};
   figure.panels.push_back({.title = "it's <both>",
