@@ -203,20 +203,23 @@ class Script {
 };
 
 Script::Script(const Figure& figure) : figure_{figure} {
+  std::string name = figure.name;
+  std::ranges::replace(name, '-', '_');  // gnuplot takes no hyphen in the name of a drawing
   const std::size_t columns =
       std::min(static_cast<std::size_t>(figure.columns), figure.panels.size());
   const std::size_t rows = (figure.panels.size() + columns - 1) / columns;
   const std::size_t height = rows == 1 && columns == 1 ? 400 : columns == 1 ? 250 : 340;
   text_ << "# gnuplot " << figure.name << ".gp > " << figure.name << ".svg\n"
         << "set terminal svg size " << kWidth << "," << rows * height
-        << " dynamic noenhanced font 'sans-serif,13' background rgb 'white' name '" << figure.name
-        << "'\n"
+        << " dynamic noenhanced font 'sans-serif,13' background rgb 'white' name '" << name << "'\n"
         << kStyle << "set multiplot layout " << rows << "," << columns << "\n";
   // Plots of one figure stand under each other, whatever their numbers look like.
   if (columns > 1) text_ << "set key width -1 samplen 1.2\n";
   if (figure.panels.size() > 1) {
     const bool right = std::ranges::any_of(figure.panels, UsesRight);
-    const int room = columns == 1 ? 10 : 8;
+    const bool powers =
+        std::ranges::any_of(figure.panels, [](const Panel& p) { return p.left.logarithmic; });
+    const int room = columns == 1 || powers ? 10 : 8;
     text_ << "set lmargin " << room << "\nset rmargin " << (right ? room : 3) << "\n";
   }
   for (std::size_t p = 0; p < figure.panels.size(); ++p) {

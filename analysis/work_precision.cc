@@ -1,8 +1,8 @@
 #include "pliant/analysis/work_precision.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
+#include <ctime>
 #include <limits>
 
 namespace pliant {
@@ -16,7 +16,7 @@ struct Trace {
   Eigen::MatrixXd seen;
   Eigen::VectorXd scale;
   Integrator::Statistics work = {};
-  double wall_s = 0;
+  double cpu_s = 0;
   std::string failure = {};
 };
 
@@ -26,7 +26,7 @@ Trace Run(const WorkPrecisionOptions& o, const IntegratorOptions& integrator) {
   const auto samples = static_cast<Eigen::Index>(std::llround(o.duration_s / o.spacing_s));
   Trace trace{.seen = Eigen::MatrixXd::Zero(observed.scale.size(), samples),
               .scale = observed.scale};
-  const auto begin = std::chrono::steady_clock::now();
+  const std::clock_t begin = std::clock();
   try {
     for (Eigen::Index k = 0; k < samples; ++k) {
       sim.AdvanceTo(o.duration_s * static_cast<double>(k + 1) / static_cast<double>(samples));
@@ -35,7 +35,7 @@ Trace Run(const WorkPrecisionOptions& o, const IntegratorOptions& integrator) {
   } catch (const Error& e) {
     trace.failure = e.what();
   }
-  trace.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  trace.cpu_s = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
   trace.work = sim.statistics();
   return trace;
 }
@@ -49,16 +49,16 @@ WorkPrecisionPoint Measure(const WorkPrecisionOptions& o, Method method, double 
   WorkPrecisionPoint point{.method = method,
                            .relative_tolerance = tolerance,
                            .error = kInfinity,
-                           .wall_s = first.wall_s,
+                           .cpu_s = first.cpu_s,
                            .work = first.work,
                            .failure = first.failure};
   if (!first.failure.empty()) return point;
   const Eigen::MatrixXd off = first.seen - reference.seen;
   point.error = (off.array().colwise() / reference.scale.array()).abs().maxCoeff();
-  std::vector<double> times{first.wall_s};
-  while (static_cast<int>(times.size()) < o.repetitions) times.push_back(Run(o, integrator).wall_s);
+  std::vector<double> times{first.cpu_s};
+  while (static_cast<int>(times.size()) < o.repetitions) times.push_back(Run(o, integrator).cpu_s);
   std::ranges::sort(times);
-  point.wall_s = times[times.size() / 2];
+  point.cpu_s = times[times.size() / 2];
   return point;
 }
 
@@ -79,20 +79,10 @@ std::vector<WorkPrecisionPoint> WorkPrecision(const WorkPrecisionOptions& o) {
 
 double WorkFor(double error, Method method, const std::vector<WorkPrecisionPoint>& points,
                const std::function<double(const WorkPrecisionPoint&)>& work) {
-  struct Place {
-    double error, work;  // logarithms
-  };
-  std::vector<Place> places;
+  double least = kInfinity;
   for (const WorkPrecisionPoint& p : points)
-    if (p.method == method && p.failure.empty() && p.error > 0)
-      places.push_back({std::log(p.error), std::log(work(p))});
-  if (places.size() < 2) return kInfinity;
-  std::ranges::sort(places, {}, &Place::error);
-  const auto above = std::ranges::lower_bound(places, std::log(error), {}, &Place::error);
-  const auto b = std::clamp(above, places.begin() + 1, places.end() - 1), a = b - 1;
-  if (b->error == a->error) return std::exp(std::max(a->work, b->work));
-  const double slope = (b->work - a->work) / (b->error - a->error);
-  return std::exp(a->work + slope * (std::log(error) - a->error));
+    if (p.method == method && p.error <= error) least = std::min(least, work(p));
+  return least;
 }
 
 }  // namespace pliant

@@ -35,19 +35,17 @@ struct WorkPrecisionPoint {
   Method method;
   double relative_tolerance;
   double error;  ///< largest |look − look of the reference| / scale over all numbers and times
-  double wall_s;
+  double cpu_s;  ///< of the processor, so that a shared machine matters less
   Integrator::Statistics work;
   std::string failure = {};  ///< why the run did not reach its end; `error` is not finite then
 };
 
 /// Runs the diagram with every method at every tolerance against a reference run: a point for each,
-/// method by method in the order given. Everything but `wall_s` is the same at each call.
+/// method by method in the order given. Everything but `cpu_s` is the same at each call.
 std::vector<WorkPrecisionPoint> WorkPrecision(const WorkPrecisionOptions& options);
 
-/// The work that a method needs for an error: between its points by interpolation of logarithms,
-/// beyond them the power of its last two points. Infinite if no two of its points completed.
-///
-/// `work` is what counts, such as derivative calls.
+/// The least work, such as derivative calls, with which a method kept its error below `error`;
+/// infinite if it did at none of its points.
 double WorkFor(double error, Method method, const std::vector<WorkPrecisionPoint>& points,
                const std::function<double(const WorkPrecisionPoint&)>& work);
 

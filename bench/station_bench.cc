@@ -33,15 +33,12 @@ using Engine = SimbodyPlant::Engine;
 #define PLIANT_SECOND(name, ideal, engine, method)                       \
   BENCHMARK_CAPTURE(Second, name, ideal, Engine::engine, Method::method) \
       ->Unit(benchmark::kMillisecond)
-PLIANT_SECOND(ideal / recursive, true, Recursive, kBogackiShampine);
-PLIANT_SECOND(ideal / simbody, true, Simbody, kBogackiShampine);
-PLIANT_SECOND(full / recursive, false, Recursive, kBogackiShampine);
-PLIANT_SECOND(full / simbody, false, Simbody, kBogackiShampine);
-PLIANT_SECOND(full / recursive / zonneveld, false, Recursive, kZonneveld);
-PLIANT_SECOND(full / recursive / dormand_prince, false, Recursive, kDormandPrince);
-PLIANT_SECOND(full / recursive / sdirk, false, Recursive, kSdirk);
-PLIANT_SECOND(full / recursive / adams, false, Recursive, kAdams);
-PLIANT_SECOND(full / recursive / bdf, false, Recursive, kBdf);
+PLIANT_SECOND(ideal_recursive, true, Recursive, kBogackiShampine);
+PLIANT_SECOND(ideal_simbody, true, Simbody, kBogackiShampine);
+PLIANT_SECOND(full_recursive_bogacki_shampine, false, Recursive, kBogackiShampine);
+PLIANT_SECOND(full_recursive_cash_karp, false, Recursive, kCashKarp);
+PLIANT_SECOND(full_recursive_dormand_prince, false, Recursive, kDormandPrince);
+PLIANT_SECOND(full_simbody_cash_karp, false, Simbody, kCashKarp);
 
 }  // namespace
 }  // namespace pliant

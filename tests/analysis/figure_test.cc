@@ -64,6 +64,13 @@ TEST_F(DrawFigureTest, LeavesTheDrawingTheScriptAndTheData) {
   EXPECT_THAT(Rows(File("one.dat")), ElementsAre("0 0", "1 0.5", "2 0.25"));
 }
 
+TEST_F(DrawFigureTest, TakesAHyphenInItsName) {
+  Figure figure = OneCurve({0, 1}, {0, 1});
+  figure.name = "one-curve";
+  EXPECT_THAT(Draw(figure), HasSubstr("</svg>"));
+  EXPECT_THAT(Files(), ElementsAre("one-curve.dat", "one-curve.gp", "one-curve.svg"));
+}
+
 TEST_F(DrawFigureTest, TheScriptGivesTheSameDrawing) {
   const std::string svg = Draw(OneCurve({0, 1, 2}, {0, 0.5, 0.25}));
   const std::string command =

@@ -77,7 +77,7 @@ TEST(WorkPrecision, EveryMethodIsAsPreciseAsItsToleranceSays) {
     EXPECT_GT(p.error, 0);
     EXPECT_LT(p.error, 1000 * p.relative_tolerance) << Name(p.method);
     EXPECT_GT(p.work.derivative_calls, p.work.steps) << Name(p.method);
-    EXPECT_GT(p.wall_s, 0);
+    EXPECT_GE(p.cpu_s, 0);
   }
 }
 
@@ -151,20 +151,18 @@ TEST(WorkPrecision, RefusesWhatItCannotRun) {
   EXPECT_EQ(ErrorOf([&] { WorkPrecision(options); }), "spacing_s must be > 0, got 0");
 }
 
-TEST(WorkFor, FollowsThePowerLawBetweenAndBeyondPoints) {
+TEST(WorkFor, IsTheLeastThatKeepsTheError) {
   const auto point = [](double error, std::int64_t calls) {
     return WorkPrecisionPoint{.method = Method::kAdams,
                               .relative_tolerance = error,
                               .error = error,
-                              .wall_s = 1,
+                              .cpu_s = 1,
                               .work = {.derivative_calls = calls}};
   };
-  // calls = 10 error^(−1/2)
-  const std::vector<WorkPrecisionPoint> points{point(1e-2, 100), point(1e-4, 1000),
-                                               point(1e-6, 10000)};
-  for (const double error : {1e-1, 1e-3, 1e-4, 1e-5, 1e-8})
-    EXPECT_NEAR(WorkFor(error, Method::kAdams, points, Calls), 10 / std::sqrt(error),
-                1e-9 / std::sqrt(error));  // round-off
+  const std::vector<WorkPrecisionPoint> points{point(1e-2, 100), point(1e-4, 1000)};
+  EXPECT_EQ(WorkFor(1e-1, Method::kAdams, points, Calls), 100);
+  EXPECT_EQ(WorkFor(1e-3, Method::kAdams, points, Calls), 1000);
+  EXPECT_TRUE(std::isinf(WorkFor(1e-5, Method::kAdams, points, Calls)));
   EXPECT_TRUE(std::isinf(WorkFor(1e-3, Method::kBdf, points, Calls)));
 }
 
