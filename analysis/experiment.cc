@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "pliant/analysis/integrator_study.h"
 #include "pliant/analysis/null_space_compliance.h"
 #include "pliant/systems/nearest_name.h"
 
@@ -13,6 +14,11 @@ const std::vector<Experiment>& Experiments() {
        "a Gen3 holds its tool and is pushed at the elbow and at the tool, with three compliances",
        [](const ExperimentOptions& o, const Progress& progress) {
          return NullSpaceCompliance({.ideal = o.ideal}, progress);
+       }},
+      {"integrators",
+       "what every integrator costs and how precise it is, on a Gen3 that sways; some minutes",
+       [](const ExperimentOptions&, const Progress& progress) {
+         return IntegratorStudy({}, progress);
        }},
   };
   return all;

@@ -46,7 +46,13 @@ Range Widened(Range range, double share) {
   return {range.from - room, range.to + room};
 }
 
+/// Where a value stands along an axis; a value that a logarithmic one cannot show is not finite.
+double Place(double value, const Axis& axis) {
+  return axis.logarithmic ? std::log10(value) : value;
+}
+
 Range Chosen(Range range, const Axis& axis) {
+  if (axis.logarithmic) range = {std::pow(10, range.from), std::pow(10, range.to)};
   return {axis.from.value_or(range.from), axis.to.value_or(range.to)};
 }
 
@@ -80,7 +86,9 @@ void CheckAxis(const std::string& where, const Axis& axis) {
     Require(*axis.from < *axis.to, where + "an axis goes from less to more",
             Number(*axis.from) + " to " + Number(*axis.to));
   for (const auto& end : {axis.from, axis.to})
-    Require(!end || internal::IsDrawable(*end), where + "the ends of an axis are finite",
+    Require(!end || internal::IsDrawable(Place(*end, axis)),
+            where + (axis.logarithmic ? "the ends of a logarithmic axis are > 0 and finite"
+                                      : "the ends of an axis are finite"),
             end.value_or(0));
 }
 
@@ -112,19 +120,21 @@ Range XRange(const Panel& panel) {
   Range range;
   bool in_time = true;
   for (const Curve& curve : panel.curves) {
-    for (const double x : curve.x) range.Cover(x);
-    in_time = in_time && curve.draw != Curve::Draw::Points && std::ranges::is_sorted(curve.x);
+    for (const double x : curve.x) range.Cover(Place(x, panel.x));
+    in_time = in_time && !panel.x.logarithmic && curve.draw != Curve::Draw::Points &&
+              std::ranges::is_sorted(curve.x);
   }
   return Widened(range, in_time ? 1e-3 : 0.04);  // the last tick stands at its end
 }
 
 Range YRange(const Panel& panel, Side side) {
+  const Axis& axis = side == Side::Left ? panel.left : panel.right;
   Range range;
   for (const Curve& curve : panel.curves)
     if (curve.side == side)
-      for (const double y : curve.y) range.Cover(y);
+      for (const double y : curve.y) range.Cover(Place(y, axis));
   for (const LimitLine& limit : panel.limits)
-    if (limit.side == side) range.Cover(limit.at);
+    if (limit.side == side) range.Cover(Place(limit.at, axis));
   if (side == Side::Left)
     for (const Bar& bar : panel.bars)
       for (const double y : {0.0, bar.mean - bar.deviation, bar.mean + bar.deviation})
@@ -193,20 +203,23 @@ class Script {
 };
 
 Script::Script(const Figure& figure) : figure_{figure} {
+  std::string name = figure.name;
+  std::ranges::replace(name, '-', '_');  // gnuplot takes no hyphen in the name of a drawing
   const std::size_t columns =
       std::min(static_cast<std::size_t>(figure.columns), figure.panels.size());
   const std::size_t rows = (figure.panels.size() + columns - 1) / columns;
   const std::size_t height = rows == 1 && columns == 1 ? 400 : columns == 1 ? 250 : 340;
   text_ << "# gnuplot " << figure.name << ".gp > " << figure.name << ".svg\n"
         << "set terminal svg size " << kWidth << "," << rows * height
-        << " dynamic noenhanced font 'sans-serif,13' background rgb 'white' name '" << figure.name
-        << "'\n"
+        << " dynamic noenhanced font 'sans-serif,13' background rgb 'white' name '" << name << "'\n"
         << kStyle << "set multiplot layout " << rows << "," << columns << "\n";
   // Plots of one figure stand under each other, whatever their numbers look like.
   if (columns > 1) text_ << "set key width -1 samplen 1.2\n";
   if (figure.panels.size() > 1) {
     const bool right = std::ranges::any_of(figure.panels, UsesRight);
-    const int room = columns == 1 ? 10 : 8;
+    const bool powers =
+        std::ranges::any_of(figure.panels, [](const Panel& p) { return p.left.logarithmic; });
+    const int room = columns == 1 || powers ? 10 : 8;
     text_ << "set lmargin " << room << "\nset rmargin " << (right ? room : 3) << "\n";
   }
   for (std::size_t p = 0; p < figure.panels.size(); ++p) {
@@ -246,12 +259,13 @@ void Script::Labels(const Panel& panel, bool names_x) {
 }
 
 void Script::Ranges(const Panel& panel) {
-  const auto set = [&](const char* axis, const Range& range) {
-    text_ << "set " << axis << "range [" << Number(range.from) << ":" << Number(range.to) << "]\n";
+  const auto set = [&](const char* name, const Range& range, const Axis& axis) {
+    text_ << (axis.logarithmic ? "set" : "unset") << " logscale " << name << "\nset " << name
+          << "range [" << Number(range.from) << ":" << Number(range.to) << "]\n";
   };
-  set("x", SharedXRange(figure_, panel));
-  set("y", Chosen(YRange(panel, Side::Left), panel.left));
-  set("y2", Chosen(YRange(panel, Side::Right), panel.right));
+  set("x", SharedXRange(figure_, panel), panel.x);
+  set("y", Chosen(YRange(panel, Side::Left), panel.left), panel.left);
+  set("y2", Chosen(YRange(panel, Side::Right), panel.right), panel.right);
 }
 
 void Script::Curves(const Panel& panel) {

@@ -44,6 +44,7 @@ struct LimitLine {
 struct Axis {
   std::string label = {};                    ///< with its unit: "velocity [m/s]"
   std::optional<double> from = {}, to = {};  ///< none: so that everything is seen
+  bool logarithmic = false;                  ///< what is not > 0 leaves a gap
 };
 
 /// One pair of axes. With curves on both sides, what belongs to the left is blue and green, what

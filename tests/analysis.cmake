@@ -6,3 +6,5 @@ pliant_test(analysis/report_test.cc LIBRARIES pliant::analysis nlohmann_json::nl
 pliant_test(analysis/with_unit_test.cc LIBRARIES pliant::analysis)
 pliant_test(analysis/compliance_prediction_test.cc LIBRARIES pliant::analysis)
 pliant_test(analysis/null_space_compliance_test.cc LIBRARIES pliant::analysis)
+pliant_test(analysis/work_precision_test.cc LIBRARIES pliant::analysis)
+pliant_test(analysis/integrator_study_test.cc LIBRARIES pliant::analysis)

@@ -64,6 +64,13 @@ TEST_F(DrawFigureTest, LeavesTheDrawingTheScriptAndTheData) {
   EXPECT_THAT(Rows(File("one.dat")), ElementsAre("0 0", "1 0.5", "2 0.25"));
 }
 
+TEST_F(DrawFigureTest, TakesAHyphenInItsName) {
+  Figure figure = OneCurve({0, 1}, {0, 1});
+  figure.name = "one-curve";
+  EXPECT_THAT(Draw(figure), HasSubstr("</svg>"));
+  EXPECT_THAT(Files(), ElementsAre("one-curve.dat", "one-curve.gp", "one-curve.svg"));
+}
+
 TEST_F(DrawFigureTest, TheScriptGivesTheSameDrawing) {
   const std::string svg = Draw(OneCurve({0, 1, 2}, {0, 0.5, 0.25}));
   const std::string command =
@@ -109,6 +116,20 @@ TEST_F(DrawFigureTest, DrawsWhatHasNoNumbers) {
   EXPECT_THAT(Draw(OneCurve({0, 1}, {1e300, -1e300})), HasSubstr("</svg>"));
   EXPECT_THAT(Draw(OneCurve({0, 1}, {1e99, -1e99})), HasSubstr("</svg>"));
   EXPECT_THAT(Draw(OneCurve({3}, {4})), HasSubstr("</svg>"));
+}
+
+// 1e-6 to 1e-2 with 6 % of the decades as room: 10^−6.24 to 10^−1.76.
+TEST_F(DrawFigureTest, LogarithmicAxesShowEveryDecadeAndLeaveOutWhatIsNotAboveZero) {
+  Figure figure = OneCurve({1, 10, 100}, {1e-6, 0, 1e-2});
+  figure.panels[0].x.logarithmic = figure.panels[0].left.logarithmic = true;
+  EXPECT_THAT(Draw(figure), HasSubstr("</svg>"));
+  const std::string script = ReadText(File("one.gp"));
+  EXPECT_THAT(script, HasSubstr("set logscale x\n"));
+  EXPECT_THAT(script, HasSubstr("set logscale y\nset yrange [5.75"));
+  EXPECT_THAT(script, HasSubstr("unset logscale y2\n"));
+  figure.panels[0].left.from = 0;
+  EXPECT_THAT(ErrorOfDrawing(figure),
+              HasSubstr("the ends of a logarithmic axis are > 0 and finite, got 0"));
 }
 
 TEST_F(DrawFigureTest, DrawsBothSidesBandsLimitsAndBars) {
