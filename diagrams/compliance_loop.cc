@@ -6,9 +6,14 @@ namespace pliant {
 
 namespace {
 
+/// Of the controller: that of the arm's interface.
+Duration PeriodOf(const ComplianceLoop::Options& o) {
+  return o.arm.interface_period == Duration{} ? o.arm.period : o.arm.interface_period;
+}
+
 /// A push that changes at the controller's ticks only, so that the true torque is what acts.
 Push::Options Sampled(Push::Options push, const ComplianceLoop::Options& o) {
-  push.period = o.arm.period;
+  push.period = PeriodOf(o);
   return push;
 }
 
@@ -22,9 +27,12 @@ Diagram ComplianceLoop::Make(const Options& o, ComplianceLoop& parts) {
   const std::vector<std::string> frames{o.tool};
   RobotDynamics start(o.model, frames);
   ComputeDynamics(o.model, o.arm.position, JointVelocity::Zero(joints), start);
-  const Duration period = o.arm.period;
+  const Duration period = PeriodOf(o);
   const PerJoint rotors = o.arm.actuators.reflected_inertia();
 
+  Require(!o.arm.firmware.compensated,
+          "the arm must not carry its own weight: the controller commands gravity; reset "
+          "arm.firmware.compensated");
   DiagramBuilder b;
   for (std::size_t i = 0; i < o.pushes.size(); ++i)
     parts.pushes.push_back(&b.Add<Push>("push_" + std::to_string(i + 1), Sampled(o.pushes[i], o)));

@@ -13,17 +13,18 @@ class StatusSensor final : public Block {
   explicit StatusSensor(Duration period)
       : mode{this, "mode"},
         saturated{this, "saturated"},
+        cut{this, "cut"},
         stopped{this, "stopped", {}, 0},
         status{this, "status"} {
     Every(period)
         .Compute(status)
-        .From(mode, saturated, stopped)
-        .As([](ControlMode m, JointBits bits, int stops) {
-          return ArmStatus{m, bits, stops};
+        .From(mode, saturated, cut, stopped)
+        .As([](ControlMode m, JointBits of_drives, JointBits of_firmware, int stops) {
+          return ArmStatus{m, of_drives | of_firmware, stops};
         });
   }
   Input<ControlMode> mode;
-  Input<JointBits> saturated;
+  Input<JointBits> saturated, cut;
   Input<int> stopped;
   Output<ArmStatus> status;
 };
@@ -33,23 +34,32 @@ JointPosition StartOf(const SimulatedArm::Options& o) {
   return o.position;
 }
 
-/// Gains that are not given: those of a triple pole at 50 rad/s for the arm's inertia at the start.
+/// Gains that are not given: those of a triple pole at up to 50 rad/s for the arm's inertia at the
+/// start. Behind a spring k_d turns the rotor alone, half a period and a current loop late: it stays
+/// below half of B over that delay.
 ArmFirmware::Options Firmware(const SimulatedArm::Options& o, const ArmActuators& actuators,
                               const RobotDynamics& start) {
-  constexpr double kPole = 50;  // [rad/s]
   ArmFirmware::Options firmware = o.firmware;
   firmware.joints = o.model.joints();
   firmware.period = o.period;
+  firmware.command_period = o.interface_period;
   firmware.torque_per_ampere = actuators.torque_per_ampere();
   firmware.torque_limit = actuators.torque_limit();
   firmware.load = start.gravity;
-  const PerJoint inertia = start.M.diagonal() + actuators.reflected_inertia();
-  const auto fill = [&](PerJoint& gain, double value) {
-    if (gain.size() == 0) gain = value * inertia;
+  const PerJoint B = actuators.reflected_inertia(), inertia = start.M.diagonal() + B;
+  PerJoint pole = PerJoint::Constant(o.model.size(), 50);  // [rad/s]
+  if (actuators.transmission == Transmission::Elastic)
+    for (int j = 0; j < o.model.size(); ++j) {
+      const double delay = seconds(o.period) / 2 +
+                           actuators.joint[static_cast<std::size_t>(j)].current_time_constant;
+      pole(j) = std::min(pole(j), 0.5 * B(j) / (3 * delay * inertia(j)));
+    }
+  const auto fill = [&](PerJoint& gain, double factor, int power) {
+    if (gain.size() == 0) gain = factor * inertia.array() * pole.array().pow(power);
   };
-  fill(firmware.position_stiffness, 3 * kPole * kPole);
-  fill(firmware.position_damping, 3 * kPole);
-  fill(firmware.position_integral, kPole * kPole * kPole);
+  fill(firmware.position_stiffness, 3, 2);
+  fill(firmware.position_damping, 3, 1);
+  fill(firmware.position_integral, 1, 3);
   return firmware;
 }
 
@@ -171,6 +181,7 @@ SimulatedArm::SimulatedArm(const Options& o)
   Connect(sensors.measured_torque, firmware.torque);
   Connect(firmware.active, status_sensor.mode);
   Connect(actuators.saturated, status_sensor.saturated);
+  Connect(firmware.cut, status_sensor.cut);
   Connect(plant.energy, energies.plus);
   Connect(actuators.energy, energies.plus);
   Connect(plant.dissipation, losses.plus);

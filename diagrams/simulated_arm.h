@@ -34,7 +34,7 @@ class SimulatedArm final : public Composite {
     PerJoint damping = {};               ///< of the links' bearings [N·m·s/rad]; empty: none
     ArmActuators actuators = {};         ///< without joints: ideal, without rotors
     JointSensors::Options sensors = {};  ///< joints and period are filled in
-    ArmFirmware::Options firmware = {};  ///< joints, κ, limits and period too; and gains left empty
+    ArmFirmware::Options firmware = {};  ///< as above, also κ, limits, load and gains left empty
     std::optional<WristSensor::Options> wrist = {};  ///< none: `wrench` stays zero
     std::optional<JointStops::Options> stops = {};   ///< none: joints turn beyond their limits
     std::vector<std::string> frames = {};  ///< links shown by `motion`, at most kMaxFrames

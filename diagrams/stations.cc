@@ -35,6 +35,19 @@ JointSensors::Options LwrJointSensors(const Joints& joints, Duration period, std
   return sensors;
 }
 
+/// Gains for a triple pole with the largest inertia the joints carry without a payload, of at most
+/// 50 rad/s and of a k_d that the rotors bear (simulated_arm.cc); stable with the rated payload,
+/// k_d k_p > k_i I.
+ArmFirmware::Options PositionGains(const PerJoint& inertia, const PerJoint& pole) {
+  ArmFirmware::Options firmware;
+  firmware.position_stiffness = 3 * inertia.array() * pole.array().square();
+  firmware.position_damping = 3 * inertia.cwiseProduct(pole);
+  firmware.position_integral = inertia.array() * pole.array().cube();
+  return firmware;
+}
+
+PerJoint Figures(std::initializer_list<double> figures) { return JointTorque(figures); }
+
 bool HasLink(const RobotModel& model, std::string_view name) {
   return std::ranges::any_of(model.links(), [&](const Link& link) { return link.name == name; });
 }
@@ -43,6 +56,8 @@ bool HasLink(const RobotModel& model, std::string_view name) {
 
 SimulatedArm::Options SimulatedGen3(const RobotModel& model, const StationOptions& o) {
   SimulatedArm::Options station = Station(model, o, "gen3/actuators.yaml");
+  station.firmware = PositionGains(Figures({1.8, 1.8, 1.8, 1.8, 0.25, 0.25, 0.25}),
+                                   Figures({36, 36, 36, 36, 50, 50, 50}));
   if (!o.ideal) station.sensors = Gen3JointSensors(model.joints(), station.period, o.seed);
   if (HasLink(model, "FT_sensor_wrench")) {
     station.wrist = SensOne(model, o.seed);
@@ -55,6 +70,8 @@ SimulatedArm::Options SimulatedGen3(const RobotModel& model, const StationOption
 SimulatedArm::Options SimulatedLwr(const RobotModel& model, const StationOptions& o) {
   SimulatedArm::Options station = Station(model, o, "lwr/actuators.yaml");
   if (!o.ideal) station.sensors = LwrJointSensors(model.joints(), station.period, o.seed);
+  station.firmware = PositionGains(Figures({3.7, 3.7, 1, 1, 0.22, 0.14, 0.14}),
+                                   Figures({40, 40, 50, 50, 50, 50, 50}));
   station.firmware.compensated = model;
   station.interface_period = 5ms;
   return station;
@@ -62,11 +79,10 @@ SimulatedArm::Options SimulatedLwr(const RobotModel& model, const StationOptions
 
 LowLevelTorque::Options LowLevelTorqueOf(const ArmActuators& actuators, const RobotModel& model,
                                          Duration period) {
+  Checked(model.joints(), actuators.joint);
   const auto figure = [&](double FrictionParameters::*member) {
-    PerJoint all(model.size());
-    for (int j = 0; j < model.size(); ++j)
-      all(j) = actuators.joint[static_cast<std::size_t>(j)].friction.*member;
-    return all;
+    return FiguresOf(actuators.joint,
+                     [member](const ActuatorParameters& p) { return p.friction.*member; });
   };
   return {.joints = model.joints(),
           .torque_per_ampere = actuators.torque_per_ampere(),

@@ -38,8 +38,14 @@ ArmActuators From(const ParameterFile& file, const Joints& joints) {
 const std::vector<ActuatorParameters>& Checked(const Joints& joints,
                                                const std::vector<ActuatorParameters>& actuators) {
   RequireOneForEach(joints, "actuators", std::ssize(actuators));
-  for (int j = 0; j < joints.size(); ++j)
-    RequireInRange(joints[j], actuators[static_cast<std::size_t>(j)]);
+  for (int j = 0; j < joints.size(); ++j) {
+    const ActuatorParameters& p = actuators[static_cast<std::size_t>(j)];
+    RequireInRange(joints[j], p);
+    RequireInRange(joints[j], "torque_constant gear_ratio", p.torque_per_ampere(), "N·m/A",
+                   kPositive);
+    RequireInRange(joints[j], "rotor_inertia gear_ratio²", p.reflected_inertia(), "kg·m²",
+                   kNotNegative);
+  }
   return actuators;
 }
 

@@ -21,7 +21,7 @@ class Actuators final : public Composite {
     ArmActuators parameters;
     JointPosition position;       ///< of the links at the start [rad]
     JointVelocity velocity = {};  ///< of the links at the start [rad/s]; empty: at rest
-    Duration period = 1ms;        ///< between changes of the command
+    Duration period = 1ms;        ///< at which the drives sample their command
     JointTorque load = {};  ///< what drives and springs carry at the start [N·m]; empty: none
   };
 

@@ -60,7 +60,7 @@ struct FrictionParameters {
 /// g(ω) [N·m].
 double StribeckCurve(const FrictionParameters& p, double velocity);
 
-/// τ_f at constant ω [N·m]: g(ω) sgn(ω) + d ω.
+/// τ_f of the bristle laws at constant ω [N·m]: g(ω) sgn(ω) + d ω; 0 at ω = 0.
 double SteadyFriction(const FrictionParameters& p, double velocity);
 
 /// τ_f of the laws without bristles [N·m].

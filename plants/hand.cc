@@ -30,7 +30,8 @@ Hand::Hand(const Options& o)
 
   Compute(holds_).From(grip).As([](double g) { return g > 0 ? 1.0 : -1.0; });
   if (o.anchored) {
-    AtStart().Update(anchor_).From(path, motion).As(&Hand::TakeHold);
+    // After the first tick of a path that is sampled.
+    Every(kOnce).Update(anchor_).From(path, motion).As(&Hand::TakeHold);
     When(holds_).Crosses(Direction::Rising).Update(anchor_).From(path, motion).As(&Hand::TakeHold);
   }
   Compute(pull_).From(grip, anchor_, path, path_velocity, motion).As(&Hand::Stretch);

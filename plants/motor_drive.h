@@ -6,11 +6,12 @@
 
 namespace pliant {
 
-/// The motors of an arm with their current loops, for a command that is held from tick to tick:
+/// The motors of an arm with their current loops, which sample their command every h: that of tick k
+/// acts from tick k to tick k + 1,
 ///
 ///   θ di/dt = clamp(i_command, ± i_max) − i,   τ_m = clamp(η K_T G_r i, ± τ_max)
 ///
-/// solved exactly: with c the clamped command and i_k the current at the last tick,
+/// solved exactly: with c the clamped command of the last tick and i_k the current at it,
 ///
 ///   i(t) = c + (i_k − c) exp(−(t − t_k)/θ),   θ = 0: i = c
 ///
@@ -21,7 +22,7 @@ class MotorDrive final : public Block {
     Joints joints;
     std::vector<ActuatorParameters> parameters;  ///< of each joint
     MotorCurrent current = {};                   ///< i at the start; empty: 0
-    Duration period = 1ms;                       ///< between changes of the command
+    Duration period = 1ms;                       ///< h
   };
 
   explicit MotorDrive(const Options& o);
@@ -33,19 +34,21 @@ class MotorDrive final : public Block {
 
  private:
   struct Start {
-    MotorCurrent i;  // at the last tick
+    MotorCurrent i, c;  // at the last tick: flowing, commanded
     double t = 0;
 
     template <class Visitor>
     void Fields(Visitor&& f) {
       f("i", i, "A");
+      f("c", c, "A");
       f("t", t, "s");
     }
   };
 
-  MotorCurrent Flow(double t, const Start& start, const MotorCurrent& command) const;
+  static Start AtRest(const Options& o);
+  MotorCurrent Flow(double t, const Start& start) const;
   JointTorque Turn(const MotorCurrent& i) const;
-  JointBits Cut(const MotorCurrent& command, const MotorCurrent& i) const;
+  JointBits Cut(const Start& start, const MotorCurrent& i) const;
 
   const PerJoint i_max_, tau_max_, theta_, per_ampere_;
   Discrete<Start> start_;

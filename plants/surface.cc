@@ -20,7 +20,7 @@ Surface::Surface(const Options& o)
       link_{o.model.link_index(o.link)},
       point_{o.point},
       origin_{o.origin},
-      n_{o.normal.normalized()},
+      n_{o.normal.stableNormalized()},
       radius_{o.radius},
       k_{o.stiffness},
       c_{o.damping},
@@ -30,7 +30,7 @@ Surface::Surface(const Options& o)
       touch_{this, "touch"} {
   Require(o.point.allFinite(), "point must be finite", o.point.transpose());
   Require(o.origin.allFinite(), "origin must be finite", o.origin.transpose());
-  Require(o.normal.allFinite() && o.normal.norm() > 0, "normal must be finite and not zero",
+  Require(o.normal.allFinite() && o.normal.stableNorm() > 0, "normal must be finite and not zero",
           o.normal.transpose());
   RequireInRange("", "radius", radius_, "m", kNotNegative);
   RequireInRange("", "stiffness", k_, "N/m", kPositive);

@@ -129,6 +129,7 @@ void Simulator::Show(double t) {
 void Simulator::TakeStep() {
   lo_ = time();
   std::ranges::copy(context_.state(), begin_.begin());
+  const double step = context_.line_.step;
   try {
     const double stop = StopTime();
     if (integrator_) {
@@ -140,21 +141,23 @@ void Simulator::TakeStep() {
     }
     if (!plan_.guards.empty()) SampleGuards(lo_, hi_);
   } catch (const IntegratorFailure& failure) {
-    GiveUpStep();
+    GiveUpStep(step);
     if (failure.element() < 0) throw;
     throw Error(std::string(failure.what()) + "\n  state  " + plan_.StateName(failure.element()));
   } catch (...) {
-    GiveUpStep();
+    GiveUpStep(step);
     throw;
   }
 }
 
 /// Back to where the step began, ready to try again.
-void Simulator::GiveUpStep() {
+void Simulator::GiveUpStep(double step) {
   hi_ = lo_;
   guard_ = -1;
   context_.MoveTo(lo_, begin_);
-  if (integrator_) integrator_->Reset(lo_, begin_, context_.line_.step);
+  context_.line_.step = step;
+  begins_ = true;
+  if (integrator_) integrator_->Reset(lo_, begin_, step);
 }
 
 double Simulator::GuardNow(std::size_t guard) {

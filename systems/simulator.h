@@ -100,7 +100,7 @@ class Simulator {
   void Restart();
   void Settle();
   void TakeStep();
-  void GiveUpStep();
+  void GiveUpStep(double step);
   void Show(double t);
   void Tick();
   void Fire(std::size_t guard);
