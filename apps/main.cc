@@ -69,7 +69,8 @@ int main(int argc, char** argv) {
   run->add_option("--out", out, "folder of the report, made if it is not there")
       ->capture_default_str();
   pliant::ExperimentOptions options;
-  run->add_flag("--ideal", options.ideal, "torque sources and sensors without error: no motors, friction, gears, noise");
+  run->add_flag("--ideal", options.ideal,
+                "torque sources and sensors without error: no motors, friction, gears, noise");
   run->add_flag("--strict", strict, "exit with 1 if a claim fails");
 
   try {

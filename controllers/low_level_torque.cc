@@ -72,8 +72,8 @@ LowLevelTorque::LowLevelTorque(const Options& o)
       error{this, "error", o.joints} {
   RequireInRange("", "leak_gain", o.leak_gain, "", kNotNegative);
   RequireInRange("", "leak_time_s", o.leak_time_s, "s", kPositive);
-  RequireEachInRange("leak_limit", o.leak_limit, "N·m",
-                     Range{.least = 0, .most = kUnbounded}, o.joints);
+  RequireEachInRange("leak_limit", o.leak_limit, "N·m", Range{.least = 0, .most = kUnbounded},
+                     o.joints);
   Require(o.lag_gain == 0 || o.period == KinovaLag::period,
           "period must be " + KinovaLag::period.text() + " where lag_gain is > 0: H is made for it",
           o.period.text());

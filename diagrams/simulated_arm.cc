@@ -35,8 +35,8 @@ JointPosition StartOf(const SimulatedArm::Options& o) {
 }
 
 /// Gains that are not given: those of a triple pole at up to 50 rad/s for the arm's inertia at the
-/// start. Behind a spring k_d turns the rotor alone, half a period and a current loop late: it stays
-/// below half of B over that delay.
+/// start. Behind a spring k_d turns the rotor alone, half a period and a current loop late: it
+/// stays below half of B over that delay.
 ArmFirmware::Options Firmware(const SimulatedArm::Options& o, const ArmActuators& actuators,
                               const RobotDynamics& start) {
   ArmFirmware::Options firmware = o.firmware;

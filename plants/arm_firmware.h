@@ -36,8 +36,8 @@ class ArmFirmware final : public Block {
     std::optional<RobotModel> compensated = {};
     JointTorque load = {};                   ///< what the motors carry before the first tick [N·m]
     ControlMode mode = ControlMode::Torque;  ///< where `mode` is not connected
-    Duration period = 1ms;         ///< h
-    Duration command_period = {};  ///< of position commands, a multiple of h; 0: h
+    Duration period = 1ms;                   ///< h
+    Duration command_period = {};            ///< of position commands, a multiple of h; 0: h
   };
 
   explicit ArmFirmware(const Options& o);

@@ -30,7 +30,8 @@ Hand::Hand(const Options& o)
 
   Compute(holds_).From(grip).As([](double g) { return g > 0 ? 1.0 : -1.0; });
   if (o.anchored) {
-    // After the first tick of a path that is sampled.
+    AtStart().Update(anchor_).From(path, motion).As(&Hand::TakeHold);
+    // Once more when the first tick of a path that is sampled has come.
     Every(kOnce).Update(anchor_).From(path, motion).As(&Hand::TakeHold);
     When(holds_).Crosses(Direction::Rising).Update(anchor_).From(path, motion).As(&Hand::TakeHold);
   }

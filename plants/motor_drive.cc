@@ -19,7 +19,9 @@ MotorDrive::MotorDrive(const Options& o)
   Every(o.period)
       .Update(start_)
       .From(current, command, clock)
-      .As([](const MotorCurrent& i, const MotorCurrent& c, double t) { return Start{i, c, t}; });
+      .As([](const MotorCurrent& i, const MotorCurrent& c, double t) {
+        return Start{i, c, t};
+      });
   Compute(current).From(clock, start_).As(&MotorDrive::Flow);
   Compute(torque).From(current).As(&MotorDrive::Turn);
   Compute(saturated).From(start_, current).As(&MotorDrive::Cut);

@@ -6,8 +6,8 @@
 
 namespace pliant {
 
-/// The motors of an arm with their current loops, which sample their command every h: that of tick k
-/// acts from tick k to tick k + 1,
+/// The motors of an arm with their current loops, which sample their command every h: that of tick
+/// k acts from tick k to tick k + 1,
 ///
 ///   θ di/dt = clamp(i_command, ± i_max) − i,   τ_m = clamp(η K_T G_r i, ± τ_max)
 ///

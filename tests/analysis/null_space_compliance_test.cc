@@ -58,11 +58,11 @@ TEST(NullSpaceCompliance, RefusesARunThatEndsBeforeThePushes) {
 TEST(Experiments, AreFoundByNameOrWithTheNearestOne) {
   EXPECT_EQ(FindExperiment("null-space-compliance").name, "null-space-compliance");
   try {
-    FindExperiment("nul-space");
+    FindExperiment("nul-space-compliance");
     FAIL() << "no Error";
   } catch (const Error& e) {
     EXPECT_STREQ(e.what(),
-                 "there is no experiment 'nul-space'; did you mean 'null-space-compliance'?\n"
+                 "there is no experiment 'nul-space-compliance'; did you mean 'null-space-compliance'?\n"
                  "`pliant experiment list` names them");
   }
 }

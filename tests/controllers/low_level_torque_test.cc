@@ -98,7 +98,12 @@ TEST(LowLevelTorque, RefusesGainsThatAreNone) {
             "friction: coulomb[first] must be >= 0 N·m, got -3");
   EXPECT_EQ(error([](O& o) { o.friction.velocity_threshold = 0; }),
             "friction: velocity_threshold must be > 0 rad/s, got 0");
-  EXPECT_EQ(error([](O& o) { o.leak_time_s = 0; }), "leak: time_constant_s must be > 0, got 0");
+  EXPECT_EQ(error([](O& o) { o.leak_gain = -10; }), "leak_gain must be >= 0, got -10");
+  EXPECT_EQ(error([](O& o) { o.leak_limit(1) = NAN; }),
+            "leak_limit[second] must be >= 0 N·m, got nan");
+  EXPECT_EQ(error([](O& o) { o.period = 5ms; }),
+            "period must be 1 ms where lag_gain is > 0: H is made for it, got 5 ms");
+  EXPECT_EQ(error([](O& o) { o.leak_time_s = 0; }), "leak_time_s must be > 0 s, got 0");
 }
 
 }  // namespace

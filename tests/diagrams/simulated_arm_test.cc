@@ -289,7 +289,7 @@ TEST(SimulatedArm, RefusesWhatIsNoStation) {
   EXPECT_EQ(error([](O& o) { o.interface_period = 200us; }),
             "interface_period must be >= period = 1 ms, got 200 us");
   EXPECT_EQ(error([](O& o) { o.actuators.joint[2].torque_constant = 0; }),
-            "actuators.drive: joint_3: torque_constant must be > 0 N·m/A, got 0");
+            "actuators: joint_3: torque_constant must be > 0 N·m/A, got 0");
   EXPECT_EQ(error([](O& o) { o.actuators.joint.pop_back(); }),
             "actuators has an element for each of the 7 joints, got 6");
   EXPECT_EQ(error([](O& o) {

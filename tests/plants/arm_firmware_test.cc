@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <numbers>
@@ -56,15 +57,49 @@ TEST(ArmFirmware, ActsOnACommandFromItsTickOn) {
 
 TEST(ArmFirmware, HoldsAPositionByItsGains) {
   Tester t(Options(ControlMode::Position));
-  t.Set(t->position_command, {0.02, 0.01});
+  t.Set(t->position_command, {0, 0});
+  t.Tick();
+  EXPECT_EQ(t.Get(t->current), Eigen::Vector2d(0, 0)) << "it stands where it shall";
+  t.Set(t->position, {-0.02, -0.01});
   t.Set(t->motor_velocity, {0.1, -0.2});
-  t.Tick();  // the command has no velocity yet
+  t.Tick();
   EXPECT_NEAR(11 * t.Get(t->current)(0), 1000 * 0.02 - 100 * 0.1 + 2000 * 0.02 * 1e-3, 1e-12);
   EXPECT_NEAR(7.6 * t.Get(t->current)(1), 500 * 0.01 + 50 * 0.2, 1e-12);
-  t.Set(t->position_command, {0.0201, 0.01});
+  t.Set(t->position_command, {0.0001, 0});
   t.Tick();
   const double velocity = 0.0001 / 1e-3, integral = 2000 * (0.02 + 0.0201) * 1e-3;
   EXPECT_NEAR(11 * t.Get(t->current)(0), 1000 * 0.0201 + 100 * (velocity - 0.1) + integral, 1e-11);
+}
+
+TEST(ArmFirmware, GoesStraightFromOneSlowCommandToTheNext) {
+  ArmFirmware::Options o = Options(ControlMode::Position);
+  o.command_period = 5ms;
+  o.position_integral.setZero();
+  Tester t(o);
+  t.Set(t->position_command, {0, 0});
+  t.Tick();
+  t.Set(t->position_command, {0.005, 0});  // 1 rad/s
+  for (int k = 1; k <= 7; ++k) {
+    t.Tick();
+    const double r = 0.001 * std::min(k, 5), velocity = k <= 5 ? 1 : 0;
+    // To 95 N·m, the torque limit.
+    EXPECT_NEAR(11 * t.Get(t->current)(0), std::min(95.0, 1000 * r + 100 * velocity), 1e-11) << k;
+    EXPECT_EQ(t.Get(t->cut), k <= 5 ? 1u : 0u);
+  }
+}
+
+TEST(ArmFirmware, ChangesItsModeWithoutAJumpWhileItMoves) {
+  Tester t(Options(ControlMode::Torque));
+  t.Set(t->torque_command, {10, 5});
+  t.Set(t->motor_velocity, {0.5, -0.5});
+  for (int k = 0; k < 20; ++k) {
+    if (k == 10) t.Set(t->mode, ControlMode::Position);
+    const JointPosition q{0.0005 * k, -0.0005 * k};
+    t.Set(t->position, q);
+    t.Set(t->position_command, q);  // echoed, as a driver does
+    t.Tick();
+    EXPECT_LT((t.Get(t->current) - Eigen::Vector2d(10 / 11.0, 5 / 7.6)).norm(), 1e-12) << k;
+  }
 }
 
 TEST(ArmFirmware, TakesOverTheTorqueThatWasThere) {
@@ -163,6 +198,17 @@ TEST(ArmFirmware, RefusesGainsThatAreNone) {
             "position_damping[first] must be >= 0 N·m·s/rad, got -1");
   EXPECT_EQ(error([](O& o) { o.position_stiffness.resize(0); }),
             "position_stiffness has an element for each of the 2 joints, got 0");
+  EXPECT_EQ(error([](O& o) { o.load = {1}; }),
+            "load has an element for each of the 2 joints, got 1");
+  EXPECT_EQ(error([](O& o) { o.compensated = Gen3(); }),
+            "compensated must be a model of the arm's joints");
+  EXPECT_EQ(error([](O& o) { o.command_period = 1500us; }),
+            "command_period must be a multiple of period = 1 ms, got 1500 us");
+  EXPECT_EQ(error([](O& o) {
+              o.period = 5ms;
+              o.torque_feedback = 1;
+            }),
+            "period must be 1 ms where torque_feedback is > 0: H is made for it, got 5 ms");
   EXPECT_EQ(error([](O& o) { o.torque_feedback = -1; }), "torque_feedback must be >= 0, got -1");
 }
 

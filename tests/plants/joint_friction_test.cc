@@ -224,6 +224,8 @@ TEST(JointFriction, RefusesWhatIsNoFriction) {
   EXPECT_EQ(error([](P& p) { p.coulomb = -1; }), "joint: coulomb must be >= 0 N·m, got -1");
   EXPECT_EQ(error([](P& p) { p.bristle_stiffness = 0; }),
             "joint: bristle_stiffness must be > 0 N·m/rad, got 0");
+  EXPECT_EQ(error([](P& p) { p.stiction = 2; }), "joint: stiction must be >= 3 N·m, got 2");
+  EXPECT_EQ(error([](P& p) { p.coulomb = 0; }), "coulomb must be > 0 where stiction is");
   EXPECT_EQ(error([](P& p) { p.elastic_part = 1; }),
             "joint: elastic_part must be from 0 to 0.99, got 1");
   EXPECT_EQ(error([](P& p) { p.viscous = NAN; }), "joint: viscous must be >= 0 N·m·s/rad, got nan");

@@ -96,10 +96,9 @@ TEST(MotorDrive, RefusesWhatIsNoMotor) {
   EXPECT_EQ(error([](P& p) { p.current_limit = 0; }), "first: current_limit must be > 0 A, got 0");
   EXPECT_EQ(error([](P& p) { p.current_time_constant = -1; }),
             "first: current_time_constant must be >= 0 s, got -1");
-  EXPECT_EQ(ErrorOf([] {
-              MotorDrive drive({.joints = kTwo, .parameters = Motors(0), .current = {1}});
-            }),
-            "current has an element for each of the 2 joints, got 1");
+  EXPECT_EQ(
+      ErrorOf([] { MotorDrive drive({.joints = kTwo, .parameters = Motors(0), .current = {1}}); }),
+      "current has an element for each of the 2 joints, got 1");
   EXPECT_EQ(ErrorOf([] { MotorDrive drive({.joints = kTwo, .parameters = {}}); }),
             "actuators has an element for each of the 2 joints, got 0");
 }
