@@ -1,9 +1,9 @@
 #include "pliant/plants/joint_stops.h"
 
-#include <algorithm>
 #include <cmath>
 #include <string>
 
+#include "pliant/plants/hunt_crossley.h"
 #include "pliant/systems/parameter.h"
 
 namespace pliant {
@@ -59,9 +59,12 @@ JointPosition JointStops::Penetrate(const JointPosition& q) const {
 }
 
 JointTorque JointStops::Push(const JointPosition& p, const JointVelocity& v) const {
-  JointTorque tau = JointTorque(-k_.cwiseProduct(p));
-  for (Eigen::Index i = 0; i < p.size(); ++i)
-    tau(i) *= std::max(0.0, 1 + c_(i) * Deepening(p(i), v(i)));
+  JointTorque tau;
+  tau.resize(p.size());
+  for (Eigen::Index i = 0; i < p.size(); ++i) {
+    const double N = HuntCrossleyForce(k_(i), c_(i), std::abs(p(i)), Deepening(p(i), v(i)));
+    tau(i) = -std::copysign(N, p(i));
+  }
   return tau;
 }
 
@@ -69,10 +72,8 @@ double JointStops::Store(const JointPosition& p) const { return 0.5 * p.dot(k_.c
 
 double JointStops::Dissipate(const JointPosition& p, const JointVelocity& v) const {
   double sum = 0;
-  for (Eigen::Index i = 0; i < p.size(); ++i) {
-    const double p_dot = Deepening(p(i), v(i));
-    sum += k_(i) * std::abs(p(i)) * p_dot * std::max(c_(i) * p_dot, -1.0);
-  }
+  for (Eigen::Index i = 0; i < p.size(); ++i)
+    sum += HuntCrossleyLoss(k_(i), c_(i), std::abs(p(i)), Deepening(p(i), v(i)));
   return sum;
 }
 

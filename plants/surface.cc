@@ -1,8 +1,8 @@
 #include "pliant/plants/surface.h"
 
-#include <algorithm>
 #include <cmath>
 
+#include "pliant/plants/hunt_crossley.h"
 #include "pliant/systems/parameter.h"
 
 namespace pliant {
@@ -60,7 +60,7 @@ Surface::Touch Surface::Meet(const RobotDynamics& d) const {
 }
 
 double Surface::Press(const Touch& touch) const {
-  return touch.p > 0 ? std::max(0.0, k_ * touch.p * (1 + c_ * touch.p_dot)) : 0.0;
+  return HuntCrossleyForce(k_, c_, touch.p, touch.p_dot);
 }
 
 Eigen::Vector3d Surface::Rub(const double& N, const Touch& touch) const {
@@ -74,10 +74,7 @@ ContactForce Surface::Act(const double& N, const Touch& touch) const {
 double Surface::Store(const double& p) const { return p > 0 ? 0.5 * k_ * p * p : 0.0; }
 
 double Surface::Dissipate(const double& N, const Touch& touch) const {
-  const double p = std::max(0.0, touch.p);
-  const double in_normal =
-      N > 0 ? k_ * c_ * p * touch.p_dot * touch.p_dot : std::max(0.0, -k_ * p * touch.p_dot);
-  return in_normal - Rub(N, touch).dot(touch.v_t);
+  return HuntCrossleyLoss(k_, c_, touch.p, touch.p_dot) - Rub(N, touch).dot(touch.v_t);
 }
 
 }  // namespace pliant

@@ -11,18 +11,12 @@ namespace pliant {
 /// An unmoving plane that a spherical tip of a link presses into and slides on: a table top, a
 /// wall.
 ///
-///   N = max(0, k p (1 + c ṗ))  where p > 0,   N = 0  where not
+///   N = max(0, k p (1 + c ṗ))  where p > 0,   N = 0  where not    (hunt_crossley.h)
 ///   F = N n − μ N v_t / √(v_tᵀ v_t + v_s²)
 ///
 /// p: how far the contact point, the deepest point of the tip, lies below the plane; v: the
 /// velocity of the link there; ṗ = −nᵀ v, v_t = v + ṗ n. F acts at the contact point. The
 /// integrator stops where the tip comes down, p = 0; F has no jump there.
-///
-/// The normal law is that of Hunt & Crossley with exponent 1: no force at first touch, and none
-/// that pulls when the tip leaves fast (1 + c ṗ < 0). For a free mass that hits the plane with
-/// speed v₁ and leaves it with e v₁, for any k and mass,
-///
-///   ln(1 + c v₁) − c v₁ = ln(1 − c e v₁) + c e v₁,   e = 1 − ⅔ c v₁ + O(c² v₁²)
 ///
 /// Friction is Coulomb's law, regularised: at v_s it has 71 % of μ N, at 10 v_s 99.5 %. So nothing
 /// sticks for ever: a steady tangential force f < μ N makes the tip creep with
@@ -30,13 +24,9 @@ namespace pliant {
 ///   v = v_s f / √((μ N)² − f²)
 ///
 /// Energy: E = ½ k p² is stored, and dissipation = (N − k p) ṗ + μ N v_tᵀ v_t/√(v_tᵀ v_t + v_s²).
-/// Its first term is k c p ṗ² ≥ 0 where N > 0, and −k p ṗ ≥ 0 where the tip leaves fast.
 ///
 /// Assumes: one contact, small p against the radius; no friction against spinning or rolling. With
 /// v_s too small the problem is stiff: μ N/(m v_s) is a rate.
-///
-/// Source: Hunt & Crossley, Coefficient of restitution interpreted as damping in vibroimpact,
-/// J. Appl. Mech. 42(2), 1975, with damping λ = c k and exponent n = 1.
 class Surface final : public Block {
  public:
   struct Options {

@@ -255,17 +255,19 @@ TEST(Surface, CarriesTheToolOfAnArmThatSinksOnToIt) {
                                          .relative_tolerance = 1e-9,
                                          .absolute_tolerance = 1e-10}});
   const double before = sim.Get(s.balance.stored);
-  double least = 0;
   sim.Set(s.torque.value, hold);
-  sim.AdvanceTo(2);
+  for (int k = 1; k <= 200; ++k) {
+    sim.AdvanceTo(0.01 * k);
+    EXPECT_GE(sim.Get(s.balance.least_dissipation), 0) << k;
+  }
   EXPECT_TRUE(sim.Get(table.touching));
+  // The push of 20 N, give or take what gravity's torques and J have changed over the 5 cm down:
+  // from a quarter of it to two and a half times. p = N/k but for the damping, which has died out.
   EXPECT_GT(sim.Get(table.normal_force), 5);
   EXPECT_LT(sim.Get(table.normal_force), 50);
   EXPECT_LT(sim.Get(table.penetration), 50 / 2e4);
   const Vector3d F = sim.Get(table.contact).force;
   EXPECT_LT(F.head<2>().norm(), 0.5 * F(2));
-  least = std::min(least, sim.Get(s.balance.least_dissipation));
-  EXPECT_EQ(least, 0);
   // The constant torques work hold · (q − q₀): all the rest is in the balance.
   const double work = hold.dot(sim.Get(s.plant.position) - posture);
   EXPECT_NEAR(sim.Get(s.balance.total) - before, work, 1e-6);  // 1e-9 of 40 J, some steps
