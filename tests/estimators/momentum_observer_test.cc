@@ -73,7 +73,7 @@ TEST(MomentumObserver, DoesNotDrift) {
   EXPECT_LE(largest, 50 * 3 * noise);
 }
 
-/// The Gen3 with rotors, driven by sines, as its sensors and an observer see it.
+/// The Gen3, driven by sines, as its sensors and an observer see it.
 struct Watched {
   Watched(double gain, double damping, double amplitude, std::vector<Push::Options> pushes)
       : model{pushes.empty() ? Gen3() : pushes.front().model} {
@@ -189,7 +189,7 @@ TEST(MomentumObserver, FollowsAPushOnAMovingArm) {
     pushed = std::max(pushed, tau_e.cwiseAbs().maxCoeff());
     last = tau_e;
   }
-  EXPECT_GT(pushed, 3);
+  EXPECT_GT(pushed, 3);  // [N·m], so there is something to follow
   EXPECT_LE(lag, rate / gain + rate * kPeriod);  // of a first-order lag, and a sample
   EXPECT_LE(filtered, rate * kPeriod);           // the lever arm moves within the sample
 }

@@ -82,7 +82,7 @@ TEST(StepAfterATick, FitsATransientLikeTheLast) {
 }
 
 // Each of two jumps in a row is the larger with probability ½; by three deviations of 200 draws.
-TEST(StepAfterATick, IsRejectedOnlyWhereTheJumpIsLarger) {
+TEST(StepAfterATick, IsRejectedAtHalfTheTicksByRandomJumps) {
   for (const Method method : kMethods) {
     const Cost cost =
         CostOf({.method = method, .relative_tolerance = 1e-5}, JumpingLag::Jumps::Random);
