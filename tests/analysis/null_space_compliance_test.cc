@@ -61,9 +61,10 @@ TEST(Experiments, AreFoundByNameOrWithTheNearestOne) {
     FindExperiment("nul-space-compliance");
     FAIL() << "no Error";
   } catch (const Error& e) {
-    EXPECT_STREQ(e.what(),
-                 "there is no experiment 'nul-space-compliance'; did you mean 'null-space-compliance'?\n"
-                 "`pliant experiment list` names them");
+    EXPECT_STREQ(
+        e.what(),
+        "there is no experiment 'nul-space-compliance'; did you mean 'null-space-compliance'?\n"
+        "`pliant experiment list` names them");
   }
 }
 

@@ -189,7 +189,7 @@ TEST(MomentumObserver, FollowsAPushOnAMovingArm) {
     pushed = std::max(pushed, tau_e.cwiseAbs().maxCoeff());
     last = tau_e;
   }
-  EXPECT_GT(pushed, 3);  // [N·m], so there is something to follow
+  EXPECT_GT(pushed, 3);                          // [N·m], so there is something to follow
   EXPECT_LE(lag, rate / gain + rate * kPeriod);  // of a first-order lag, and a sample
   EXPECT_LE(filtered, rate * kPeriod);           // the lever arm moves within the sample
 }
