@@ -154,6 +154,11 @@ Range SharedXRange(const Figure& figure, const Panel& panel) {
   return Chosen(range, panel.x);
 }
 
+/// A legend of several rows above a panel would leave it no height.
+bool HasManyLabels(const Panel& panel) {
+  return std::ranges::count_if(panel.curves, [](const Curve& c) { return !c.label.empty(); }) > 7;
+}
+
 // ---- the script ------------------------------------------------------------------------------
 
 constexpr std::string_view kStyle =
@@ -208,11 +213,13 @@ Script::Script(const Figure& figure) : figure_{figure} {
   const std::size_t columns =
       std::min(static_cast<std::size_t>(figure.columns), figure.panels.size());
   const std::size_t rows = (figure.panels.size() + columns - 1) / columns;
-  const std::size_t height = rows == 1 && columns == 1 ? 400 : columns == 1 ? 250 : 340;
+  const bool many = std::ranges::any_of(figure.panels, HasManyLabels);
+  const std::size_t height = rows == 1 && columns == 1 ? 400 : columns == 1 && !many ? 250 : 340;
   text_ << "# gnuplot " << figure.name << ".gp > " << figure.name << ".svg\n"
         << "set terminal svg size " << kWidth << "," << rows * height
         << " dynamic noenhanced font 'sans-serif,13' background rgb 'white' name '" << name << "'\n"
         << kStyle << "set multiplot layout " << rows << "," << columns << "\n";
+  if (many) text_ << "set key outside right top vertical\n";
   // Plots of one figure stand under each other, whatever their numbers look like.
   if (columns > 1) text_ << "set key width -1 samplen 1.2\n";
   if (figure.panels.size() > 1) {
@@ -220,7 +227,7 @@ Script::Script(const Figure& figure) : figure_{figure} {
     const bool powers =
         std::ranges::any_of(figure.panels, [](const Panel& p) { return p.left.logarithmic; });
     const int room = columns == 1 || powers ? 10 : 8;
-    text_ << "set lmargin " << room << "\nset rmargin " << (right ? room : 3) << "\n";
+    text_ << "set lmargin " << room << "\nset rmargin " << (many ? 22 : right ? room : 3) << "\n";
   }
   for (std::size_t p = 0; p < figure.panels.size(); ++p) {
     const bool named_below = columns == 1 && p + 1 < figure.panels.size() &&

@@ -150,7 +150,7 @@ Figure WorkFigure(const Problem& problem, const IntegratorStudyOptions& o) {
                            ": largest error of a joint's position over the amplitude of the sway, "
                            "against what it costs per simulated millisecond. Further left and "
                            "further down is better.",
-                .columns = 2};
+                .columns = 1};
   const double milliseconds = 1000 * o.compared_s;
   const auto add = [&](const std::string& label, const auto& cost) {
     Panel panel{.x = {.label = label, .logarithmic = true},
