@@ -9,6 +9,7 @@
 #include "pliant/systems/simulator.h"
 #include "pliant/tests/plants/arms.h"
 #include "pliant/tests/support/allocations.h"
+#include "pliant/tests/support/error_of.h"
 
 namespace pliant {
 namespace {
@@ -105,6 +106,19 @@ TEST(ComplianceLoop, TakesNothingFromTheHeapAndRepeatsItselfBitForBit) {
   sim.AdvanceTo(0.6);
   EXPECT_EQ(sim.Get(loop.qp->torque), first);
   EXPECT_TRUE(sim.Snapshot() == end);
+}
+
+TEST(ComplianceLoop, RefusesAnArmThatCarriesItsOwnWeight) {
+  ComplianceLoop::Options o = Options(0, 0, TorqueEstimate::Observer);
+  o.arm.firmware.compensated = o.model;
+  EXPECT_EQ(ErrorOf([&] { ComplianceLoop loop(o); }),
+            "the arm must not carry its own weight: the controller commands gravity; reset "
+            "arm.firmware.compensated");
+}
+
+TEST(LowLevelTorqueOf, RefusesActuatorsOfAnotherArm) {
+  EXPECT_EQ(ErrorOf([] { LowLevelTorqueOf({}, Gen3(), 1ms); }),
+            "actuators has an element for each of the 7 joints, got 0");
 }
 
 }  // namespace

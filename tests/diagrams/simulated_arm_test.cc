@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -206,6 +207,40 @@ TEST(SimulatedArm, GoesWhereItIsTold) {
   run.sim->AdvanceTo(3);
   // The integral overcomes stiction but for the encoders' noise of 10⁻⁵ rad.
   EXPECT_LT((run.sim->Get(run.arm->position) - kHome - step).cwiseAbs().maxCoeff(), 2e-4);
+}
+
+TEST(SimulatedArm, SettlesInPositionModeWithItsRatedPayload) {
+  // Stretched out, where the inertia is largest, 4 kg at the tool.
+  const RobotModel m = Gen3().WithPayload(
+      "tool_frame", {4, Eigen::Vector3d::Zero(), 0.01 * Eigen::Matrix3d::Identity()});
+  JointPosition stretched = JointPosition::Zero(m.joints());
+  stretched(1) = std::numbers::pi / 2;
+  SimulatedArm::Options o =
+      SimulatedGen3(m, {.position = stretched, .engine = SimbodyPlant::Engine::Recursive});
+  o.sensors = {};
+  o.firmware.mode = ControlMode::Position;
+  Station run(o);
+  stretched(1) -= 0.02;
+  run.sim->AdvanceThroughTick();
+  run.sim->Set(run.arm->position_command, stretched);
+  const auto fastest = [&](double from, double to) {
+    double most = 0;
+    for (run.sim->AdvanceTo(from); run.sim->time() < to; run.sim->AdvanceThroughTick())
+      most = std::max(most, run.sim->Get(run.arm->velocity).cwiseAbs().maxCoeff());
+    return most;
+  };
+  const double early = fastest(0.5, 1), late = fastest(2.5, 3);
+  EXPECT_LT(late, 0.2 * early) << "rad/s: it comes to rest";
+  EXPECT_LT(late, 5e-3) << "rad/s";
+}
+
+TEST(SimulatedArm, TellsThatTheFirmwareCutsATorque) {
+  // The LWR's currents are at their limit where its torques are, so its drives never see more.
+  Station run(
+      SimulatedLwr(Lwr(), {.position = kLwrStart, .engine = SimbodyPlant::Engine::Recursive}));
+  run.sim->Set(run.arm->torque_command, JointTorque{0, 0, 0, 1000, 0, 0, 500});
+  run.sim->AdvanceTo(0.0101);
+  EXPECT_EQ(run.sim->Get(run.arm->status).saturated, 8u + 64u);
 }
 
 TEST(SimulatedArm, OfKukaCarriesItsWeightUnderATorqueCommand) {
