@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "pliant/systems/block_tester.h"
+#include "pliant/systems/hold.h"
 #include "pliant/systems/pulse.h"
 #include "pliant/systems/ramp.h"
 #include "pliant/systems/sine.h"
@@ -169,6 +170,21 @@ TEST(Hand, HoldsFromTheStart) {
   EXPECT_LT((t.Get(t->contact).force - Vector3d(0, -5, 0)).norm(), 1e-13);
   t.Set(t->path, {0, 0.05, 0});
   EXPECT_LT(t.Get(t->contact).force.norm(), 1e-13);
+}
+
+TEST(Hand, TakesHoldWithoutAJerkWhereItsPathIsSampled) {
+  const RobotModel m = Weightless();
+  Scene s({.model = m, .position = {0, 0, 0}});
+  auto& path = s.b.Add<Constant<Position>>("path", {.value = {0.1, 0, 0}});
+  auto& sampled = s.b.Add<Hold<Position>>("sampled", {.period = 1ms});
+  auto& hand = s.AddContact<Hand>(
+      "hand", {.model = m, .link = "tip", .stiffness = Vector3d::Constant(1000), .anchored = true});
+  s.b.Connect(path.y, sampled.u);
+  s.b.Connect(sampled.y, hand.path);
+  const Diagram diagram = s.b.Build();
+  Simulator sim(diagram);
+  sim.AdvanceTo(0.01);
+  EXPECT_EQ(sim.Get(hand.contact).force, Vector3d(Vector3d::Zero()));
 }
 
 TEST(Hand, GripsBetweenNotAtAllAndFully) {

@@ -298,6 +298,7 @@ TEST(Surface, RefusesWhatIsNoSurface) {
   EXPECT_EQ(error([](O& o) { o.slip_speed = 0; }), "slip_speed must be > 0 m/s, got 0");
   EXPECT_EQ(error([](O& o) { o.normal.setZero(); }),
             "normal must be finite and not zero, got 0 0 0");
+  EXPECT_EQ(error([](O& o) { o.normal = {0, 0, 1e200}; }), "no error") << "of any length";
   EXPECT_THAT(error([](O& o) { o.origin(0) = NAN; }), testing::HasSubstr("origin must be finite"));
   EXPECT_THAT(error([](O& o) { o.point(0) = NAN; }), testing::HasSubstr("point must be finite"));
   EXPECT_THAT(error([](O& o) { o.link = "tup"; }), testing::HasSubstr("tip"));
