@@ -71,7 +71,7 @@ TEST(ElasticTransmission, SwingsAtTheFrequencyOfTwoMassesOnASpring) {
     for (int j = 0; j < 2; ++j) {
       const double omega = std::sqrt(K(j) * (1 / kRotors(j) + 1 / kLinks(j)));
       EXPECT_NEAR(sim.Get(run.gear->joint_torque)(j), load(j) * std::cos(omega * t),
-                  1e-5 * load(j));  // 100 turns at a relative tolerance of 1e-9
+                  1e-5 * load(j));  // 63 turns at a relative tolerance of 1e-9
     }
   }
 }
