@@ -27,12 +27,7 @@ JointDamper::JointDamper(const Options& o)
       lower_{o.model.lower_limit() + Margin(o)},
       upper_{o.model.upper_limit() - Margin(o)},
       speed_{o.velocity_fraction * o.model.velocity_limit()} {
-  Require(o.rate > 0, "rate must be > 0", o.rate);
-  Require(o.damping_ratio >= 1, "damping_ratio must be >= 1", o.damping_ratio);
-  Require(o.safety_distance >= 0 && o.safety_distance < 0.5, "safety_distance must be in [0, 0.5)",
-          o.safety_distance);
-  Require(o.velocity_fraction > 0 && o.velocity_fraction <= 1,
-          "velocity_fraction must be in (0, 1]", o.velocity_fraction);
+  RequireInRange("", o);
   Compute(bounds).From(dynamics).As(&JointDamper::Bound);
 }
 

@@ -2,6 +2,7 @@
 
 #include "pliant/controllers/objective.h"
 #include "pliant/systems/block.h"
+#include "pliant/systems/parameter.h"
 
 namespace pliant {
 
@@ -28,6 +29,15 @@ class JointDamper final : public Block {
     double damping_ratio = 2;       ///< M ≥ 1
     double safety_distance = 0.01;  ///< d_s as a fraction of a joint's range, in [0, 0.5)
     double velocity_fraction = 1;   ///< of the model's velocity limit, in (0, 1]
+
+    template <class F>
+    void Parameters(F&& f) {
+      f("rate", rate, "1/s", kPositive);
+      f("damping_ratio", damping_ratio, "", Range{.least = 1});
+      f("safety_distance", safety_distance, "", Between(0, 0.49));
+      f("velocity_fraction", velocity_fraction, "",
+        Range{.least = 0, .most = 1, .without_least = true});
+    }
   };
 
   explicit JointDamper(const Options& o);

@@ -9,12 +9,21 @@ namespace pliant {
 
 /// Where a station starts, and how much of a real arm it has.
 struct StationOptions {
-  JointPosition position;  ///< q at the start [rad]
+  static constexpr const char* kTag = "SimulatedArm";
+
+  JointPosition position = {};  ///< q at the start [rad]
   /// Torque sources whose rotors turn with the links, exact joint sensors, no hard stops. What is
   /// left of a wrist sensor is its delay and range, of the LWR its interface.
   bool ideal = false;
   std::uint64_t seed = 1;  ///< of the sensors' noise and bias
   SimbodyPlant::Engine engine = SimbodyPlant::Engine::Simbody;
+
+  template <class F>
+  void Parameters(F&& f) {
+    f("position", position, "rad");
+    f("ideal", ideal);
+    f("engine", engine);
+  }
 };
 
 /// Kinova Gen3, 7 joints, with models/gen3/actuators.yaml: motors, friction, elastic gears, noisy

@@ -13,10 +13,8 @@ namespace {
 ArmActuators From(const ParameterFile& file, const Joints& joints) {
   file.RequireKeys({"transmission", "friction", "sizes", "joints"});
   ArmActuators arm;
-  if (const auto given = file.Find("transmission"))
-    arm.transmission = static_cast<Transmission>(given->OneOf({"rigid", "elastic"}));
-  if (const auto given = file.Find("friction"))
-    arm.friction = static_cast<FrictionLaw>(given->OneOf(FrictionLawNames()));
+  if (const auto given = file.Find("transmission")) given->Read(arm.transmission);
+  if (const auto given = file.Find("friction")) given->Read(arm.friction);
 
   std::map<std::string, ActuatorParameters> sizes;
   std::vector<std::string> names;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "pliant/plants/friction.h"
@@ -12,6 +13,11 @@ namespace pliant {
 
 /// What is between a motor and its link: nothing that gives way, or a spring.
 enum class Transmission { Rigid, Elastic };
+
+inline const std::vector<std::string>& Words(Transmission) {
+  static const std::vector<std::string> words{"rigid", "elastic"};
+  return words;
+}
 
 /// The actuator of one joint. All but K_T, G_r, J and the current is behind the gear.
 struct ActuatorParameters {

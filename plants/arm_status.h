@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
+#include <vector>
 
 #include "pliant/systems/signal.h"
 
@@ -9,6 +11,11 @@ namespace pliant {
 /// What an arm is told: where to be, what torque to have in its joints, or what current in its
 /// motors.
 enum class ControlMode { Position, Torque, Current };
+
+inline const std::vector<std::string>& Words(ControlMode) {
+  static const std::vector<std::string> words{"position", "torque", "current"};
+  return words;
+}
 
 /// A bit for each joint: 1, 2, 4, … for the first, second, third.
 using JointBits = std::uint32_t;

@@ -5,7 +5,7 @@
 
 namespace pliant {
 
-const std::vector<std::string>& FrictionLawNames() {
+const std::vector<std::string>& Words(FrictionLaw) {
   static const std::vector<std::string> names{"none", "coulomb_viscous", "stribeck", "lugre",
                                               "elasto_plastic"};
   return names;

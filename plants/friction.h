@@ -28,8 +28,8 @@ namespace pliant {
 /// Dupont, Hayward, Armstrong & Altpeter, IEEE Trans. Automatic Control 47(5), 2002, (8)–(14).
 enum class FrictionLaw { None, CoulombViscous, Stribeck, LuGre, ElastoPlastic };
 
-/// As in files: none, coulomb_viscous, stribeck, lugre, elasto_plastic.
-const std::vector<std::string>& FrictionLawNames();
+/// none, coulomb_viscous, stribeck, lugre, elasto_plastic.
+const std::vector<std::string>& Words(FrictionLaw);
 
 /// Of one joint, behind the gear.
 struct FrictionParameters {

@@ -26,7 +26,7 @@ Hand::Hand(const Options& o)
       pull_{this, "pull"} {
   Require(o.point.allFinite(), "point must be finite", o.point.transpose());
   RequireEachInRange("stiffness", k_, "N/m", kNotNegative);
-  RequireInRange("", "damping", d_, "N·s/m", kNotNegative);
+  RequireInRange("", o);
 
   Compute(holds_).From(grip).As([](double g) { return g > 0 ? 1.0 : -1.0; });
   if (o.anchored) {

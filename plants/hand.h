@@ -5,6 +5,7 @@
 #include "pliant/plants/robot_dynamics.h"
 #include "pliant/plants/robot_model.h"
 #include "pliant/systems/block.h"
+#include "pliant/systems/parameter.h"
 
 namespace pliant {
 
@@ -37,9 +38,18 @@ class Hand final : public Block {
     RobotModel model;
     std::string link;
     Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< x, in the link's frame [m]
-    Eigen::Vector3d stiffness;  ///< k, along the world's axes [N/m], each ≥ 0
-    double damping = 0;         ///< d [N·s/m], ≥ 0
-    bool anchored = false;      ///< to where it takes hold
+    /// k, along the world's axes [N/m], each ≥ 0
+    Eigen::Vector3d stiffness = Eigen::Vector3d::Constant(kToBeGiven);
+    double damping = 0;     ///< d [N·s/m], ≥ 0
+    bool anchored = false;  ///< to where it takes hold
+
+    template <class F>
+    void Parameters(F&& f) {
+      f("link", link);
+      f("point", point, "m");
+      f("stiffness", stiffness, "N/m", kNotNegative);
+      f("damping", damping, "N·s/m", kNotNegative);
+    }
   };
 
   explicit Hand(const Options& o);

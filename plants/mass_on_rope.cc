@@ -37,10 +37,7 @@ MassOnRope::MassOnRope(const Options& o)
   Require(o.point.allFinite(), "point must be finite", o.point.transpose());
   Require(o.position.allFinite(), "position must be finite", o.position.transpose());
   Require(o.velocity.allFinite(), "velocity must be finite", o.velocity.transpose());
-  RequireInRange("", "mass", m_, "kg", kPositive);
-  RequireInRange("", "length", L_, "m", kPositive);
-  RequireInRange("", "stiffness", k_, "N/m", kPositive);
-  RequireInRange("", "damping", d_, "N·s/m", kNotNegative);
+  RequireInRange("", o);
   RequireInRange("", "release", seconds(o.release), "s", kNotNegative);
 
   Every(kOnce, o.release).Compute(released_).From().As([] { return true; });

@@ -5,6 +5,7 @@
 #include "pliant/plants/robot_dynamics.h"
 #include "pliant/plants/robot_model.h"
 #include "pliant/systems/block.h"
+#include "pliant/systems/parameter.h"
 
 namespace pliant {
 
@@ -36,16 +37,32 @@ namespace pliant {
 class MassOnRope final : public Block {
  public:
   struct Options {
+    static constexpr const char* kTag = "MassOnRope";
+
     RobotModel model;
     std::string link;
-    Eigen::Vector3d point = Eigen::Vector3d::Zero();     ///< a, in the link's frame [m]
-    double mass;                                         ///< m [kg], > 0
-    double length;                                       ///< L, unstretched [m], > 0
-    double stiffness;                                    ///< k [N/m], > 0
-    double damping = 0;                                  ///< d [N·s/m], ≥ 0
-    Eigen::Vector3d position;                            ///< x at the start, in the world [m]
+    Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< a, in the link's frame [m]
+    double mass = kToBeGiven;                         ///< m [kg], > 0
+    double length = kToBeGiven;                       ///< L, unstretched [m], > 0
+    double stiffness = kToBeGiven;                    ///< k [N/m], > 0
+    double damping = 0;                               ///< d [N·s/m], ≥ 0
+    /// x at the start, in the world [m]
+    Eigen::Vector3d position = Eigen::Vector3d::Constant(kToBeGiven);
     Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< v at the release [m/s]
     Duration release = {};                               ///< ≥ 0
+
+    template <class F>
+    void Parameters(F&& f) {
+      f("link", link);
+      f("point", point, "m");
+      f("mass", mass, "kg", kPositive);
+      f("length", length, "m", kPositive);
+      f("stiffness", stiffness, "N/m", kPositive);
+      f("damping", damping, "N·s/m", kNotNegative);
+      f("position", position, "m");
+      f("velocity", velocity, "m/s");
+      f("release", release);
+    }
   };
 
   explicit MassOnRope(const Options& o);

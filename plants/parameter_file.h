@@ -1,33 +1,50 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "pliant/systems/parameter.h"
+#include "pliant/systems/time.h"
+#include "pliant/systems/value_type.h"
 
 namespace pliant {
 
-/// A place in a YAML file: a number, a word or a map. What is wrong there is an Error
+/// Values that stand in for those of a file: "controller.pose.stiffness" and "200 N/m".
+using Overrides = std::vector<std::pair<std::string, std::string>>;
+
+/// A place in a YAML file: a number, a word, a list or a map. What is wrong there is an Error
 /// "file:line:column: …".
 class ParameterFile {
  public:
   /// The whole file. Refuses what is no YAML, keys given twice, keys that are no words, aliases
   /// that contain themselves, more than 32 maps and lists inside one another, a second document,
-  /// and files that cannot be read.
+  /// files that cannot be read, and files of more than 4 MiB.
   static ParameterFile Read(const std::filesystem::path& file);
   /// The same of a text; `source` stands for the file's name in messages.
   static ParameterFile ReadText(const std::string& text, const std::string& source = "YAML");
 
+  /// Puts YAML in the place of the value at `path`, keys and indices from 0 with dots between
+  /// them; what is not there is made. What is wrong with it is an Error "<source>: …".
+  void Set(const std::string& path, const std::string& yaml, const std::string& source);
+
   double number() const;
   std::string text() const;
+  /// The place as YAML in one line.
+  std::string yaml() const;
+  /// What it is said to be: "Push" of `!Push {…}`; empty if nothing is said.
+  std::string tag() const;
   /// One of `known`; its index.
   std::size_t OneOf(const std::vector<std::string>& known) const;
 
+  /// The elements of a list.
+  std::vector<ParameterFile> elements() const;
   /// The entries of a map in the order of the file; none if it is empty.
   std::vector<std::pair<std::string, ParameterFile>> entries() const;
   /// The value of a key, or nothing.
@@ -37,10 +54,18 @@ class ParameterFile {
   /// Refuses keys that are not among `known`, with the nearest of them.
   void RequireKeys(const std::vector<std::string>& known) const;
 
-  /// Fills the parameters of `t` that the map gives, refuses other keys, numbers out of range, and
-  /// parameters without a default that are not given.
+  /// Fills the parameters of `t` that the map gives, refuses other keys, numbers out of range,
+  /// units of another quantity, and parameters that are to be given and are not.
+  ///
+  /// A number may have its unit behind it, or a multiple of it: `0.5 s`, `500 ms`, `90 deg`. The
+  /// alternative of a variant stands as a tag: `!Push {link: tool, …}`.
   template <HasParameters T>
   void Fill(T& t) const;
+
+  /// The same of any parameter by itself; `name` stands in messages.
+  template <class T>
+  void Read(T& value, std::string_view name = {}, std::string_view unit = {},
+            const Range& range = kAnyNumber) const;
 
   [[noreturn]] void Fail(const std::string& what) const;
 
@@ -48,26 +73,135 @@ class ParameterFile {
   struct Node;
   explicit ParameterFile(std::shared_ptr<const Node> node) : node_{std::move(node)} {}
 
-  void Assign(double& value, std::string_view name, std::string_view unit,
-              const Range& range) const;
-  void RequireGiven(double value, std::string_view name) const;
+  [[noreturn]] void FailTag(const std::vector<std::string>& known) const;
+  bool IsNull() const;
+  bool flag() const;
+  double NumberIn(std::string_view name, std::string_view unit, const Range& range) const;
+  Duration duration() const;
+  std::vector<ParameterFile> ElementsOf(std::ptrdiff_t fixed, std::ptrdiff_t most) const;
+  template <class Matrix>
+  void ReadDense(Matrix& value, std::string_view name, std::string_view unit,
+                 const Range& range) const;
+  template <class... T>
+  void ReadVariant(std::variant<T...>& value) const;
 
   std::shared_ptr<const Node> node_;
 };
 
+namespace internal {
+
+template <class T>
+constexpr bool IsOptional = false;
+template <class T>
+constexpr bool IsOptional<std::optional<T>> = true;
+template <class T>
+constexpr bool IsList = false;
+template <class T>
+constexpr bool IsList<std::vector<T>> = true;
+template <class T>
+constexpr bool IsVariant = false;
+template <class... T>
+constexpr bool IsVariant<std::variant<T...>> = true;
+
+/// Whether a parameter holds what says that it is to be given.
+template <class T>
+bool IsToBeGiven(const T& value) {
+  if constexpr (std::is_same_v<T, double>) {
+    return value != value;
+  } else if constexpr (Dense<T>) {
+    return value.size() > 0 && value.hasNaN();
+  } else if constexpr (std::is_same_v<T, std::string>) {
+    return value.empty();
+  } else {
+    return false;
+  }
+}
+
+}  // namespace internal
+
 template <HasParameters T>
 void ParameterFile::Fill(T& t) const {
   std::vector<std::string> known;
-  t.Parameters([&](std::string_view name, auto&, std::string_view, const Range&) {
+  t.Parameters([&](std::string_view name, auto&, std::string_view = {}, const Range& = kAnyNumber) {
     known.emplace_back(name);
   });
   RequireKeys(known);
-  t.Parameters([&](std::string_view name, auto& value, std::string_view unit, const Range& range) {
+  t.Parameters([&](std::string_view name, auto& value, std::string_view unit = {},
+                   const Range& range = kAnyNumber) {
     if (const std::optional<ParameterFile> given = Find(name))
-      given->Assign(value, name, unit, range);
-    else if constexpr (std::same_as<std::decay_t<decltype(value)>, double>)
-      RequireGiven(value, name);
+      given->Read(value, name, unit, range);
+    else if (internal::IsToBeGiven(value))
+      Fail("'" + std::string(name) + "' is missing");
   });
+}
+
+template <class T>
+void ParameterFile::Read(T& value, std::string_view name, std::string_view unit,
+                         const Range& range) const {
+  if constexpr (std::is_same_v<T, Overrides>) {
+    value.clear();
+    for (const auto& [path, place] : entries()) value.emplace_back(path, place.yaml());
+  } else if constexpr (std::is_same_v<T, bool>) {
+    value = flag();
+  } else if constexpr (std::is_integral_v<T>) {
+    const double number = NumberIn(name, unit, range);
+    value = static_cast<T>(number);
+    if (static_cast<double>(value) != number) Fail("expected a whole number, got " + text());
+  } else if constexpr (std::is_floating_point_v<T>) {
+    value = NumberIn(name, unit, range);
+  } else if constexpr (std::is_same_v<T, std::string>) {
+    value = text();
+    if (value.empty()) Fail("'" + std::string(name) + "' says nothing");
+  } else if constexpr (std::is_same_v<T, Duration>) {
+    value = duration();
+  } else if constexpr (HasWords<T>) {
+    value = static_cast<T>(OneOf(Words(T{})));
+  } else if constexpr (internal::Dense<T>) {
+    ReadDense(value, name, unit, range);
+  } else if constexpr (internal::IsOptional<T>) {
+    value.reset();
+    if (!IsNull()) Read(value.emplace(), name, unit, range);
+  } else if constexpr (internal::IsList<T>) {
+    value.clear();
+    for (const ParameterFile& element : elements()) {
+      typename T::value_type one{};
+      element.Read(one, name, unit, range);
+      value.push_back(std::move(one));
+    }
+  } else if constexpr (internal::IsVariant<T>) {
+    ReadVariant(value);
+  } else {
+    static_assert(HasParameters<T>, "a parameter is of one of the kinds HasParameters names");
+    Fill(value);
+  }
+}
+
+template <class Matrix>
+void ParameterFile::ReadDense(Matrix& value, std::string_view name, std::string_view unit,
+                              const Range& range) const {
+  constexpr bool kVector = Matrix::ColsAtCompileTime == 1;
+  const std::vector<ParameterFile> rows =
+      ElementsOf(Matrix::RowsAtCompileTime, Matrix::MaxRowsAtCompileTime);
+  if constexpr (Matrix::RowsAtCompileTime == Eigen::Dynamic)
+    value.resize(static_cast<Eigen::Index>(rows.size()), kVector ? 1 : value.cols());
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    if constexpr (kVector) {
+      value(static_cast<Eigen::Index>(r)) = rows[r].NumberIn(name, unit, range);
+    } else {
+      const std::vector<ParameterFile> row = rows[r].ElementsOf(Matrix::ColsAtCompileTime, 0);
+      for (std::size_t c = 0; c < row.size(); ++c)
+        value(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(c)) =
+            row[c].NumberIn(name, unit, range);
+    }
+  }
+}
+
+template <class... T>
+void ParameterFile::ReadVariant(std::variant<T...>& value) const {
+  static const std::vector<std::string> known{T::kTag...};
+  const std::string given = tag();
+  const bool found = ((given == T::kTag && (Fill(value.template emplace<T>()), true)) || ...);
+  if (!found) FailTag(known);
 }
 
 }  // namespace pliant

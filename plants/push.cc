@@ -14,8 +14,7 @@ Push::Push(const Options& o)
       edge_{o.edge_s} {
   Require(o.force.allFinite(), "force must be finite", o.force.transpose());
   Require(o.point.allFinite(), "point must be finite", o.point.transpose());
-  Require(std::isfinite(start_), "start_s must be finite", start_);
-  Require(edge_ > 0, "edge_s must be > 0", edge_);
+  RequireInRange("", o);
   Require(duration_ >= 2 * edge_, "duration_s must be >= 2 edge_s = " + Text(2 * edge_), duration_);
   Every(o.period).Compute(force).From(clock).As(&Push::At);
 }

@@ -6,6 +6,7 @@
 #include "pliant/plants/robot_dynamics.h"
 #include "pliant/plants/robot_model.h"
 #include "pliant/systems/block.h"
+#include "pliant/systems/parameter.h"
 
 namespace pliant {
 
@@ -19,14 +20,26 @@ namespace pliant {
 class Push final : public Block {
  public:
   struct Options {
+    static constexpr const char* kTag = "Push";
+
     RobotModel model;
     std::string link;
-    Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< in the link's frame [m]
-    Eigen::Vector3d force;                            ///< F, world axes [N]
-    double start_s;
-    double duration_s;    ///< from the start of the rise to the end of the fall, ≥ 2 edge_s
-    double edge_s = 0.2;  ///< > 0
+    Eigen::Vector3d point = Eigen::Vector3d::Zero();                  ///< in the link's frame [m]
+    Eigen::Vector3d force = Eigen::Vector3d::Constant(kToBeGiven);  ///< F, world axes [N]
+    double start_s = kToBeGiven;
+    double duration_s = kToBeGiven;  ///< from the start of the rise to the end of the fall
+    double edge_s = 0.2;             ///< of the rise and of the fall, each at most half of it
     Duration period = 1ms;
+
+    template <class F>
+    void Parameters(F&& f) {
+      f("link", link);
+      f("point", point, "m");
+      f("force", force, "N");
+      f("start_s", start_s, "s");
+      f("duration_s", duration_s, "s", kPositive);
+      f("edge_s", edge_s, "s", kPositive);
+    }
   };
 
   explicit Push(const Options& o);

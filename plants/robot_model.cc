@@ -164,6 +164,8 @@ RobotModel RobotModel::FromUrdfText(const std::string& text, const std::string& 
   return RobotModel(Assemble(text, source));
 }
 
+RobotModel::RobotModel() : data_{std::make_shared<const Data>()} {}
+
 const std::string& RobotModel::name() const { return data_->name; }
 const Joints& RobotModel::joints() const { return data_->joints; }
 std::span<const Link> RobotModel::links() const { return data_->links; }

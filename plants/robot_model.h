@@ -73,6 +73,9 @@ struct Body {
 /// The world is the frame of the root link.
 class RobotModel {
  public:
+  /// A robot without links, until one is assigned.
+  RobotModel();
+
   /// Reads a URDF file. Everything that makes no robot is refused with file, line, what was
   /// expected and what was found; so are floating and planar joints, mimic joints, and joints
   /// without <axis>, which URDF would take for x. A link without <inertial> has no mass, an

@@ -19,6 +19,10 @@ namespace pliant {
 class SimbodyPlant final : public Block {
  public:
   enum class Engine { Simbody, Recursive };
+  friend const std::vector<std::string>& Words(Engine) {
+    static const std::vector<std::string> words{"simbody", "recursive"};
+    return words;
+  }
 
   struct Options {
     RobotModel model;

@@ -32,11 +32,7 @@ Surface::Surface(const Options& o)
   Require(o.origin.allFinite(), "origin must be finite", o.origin.transpose());
   Require(o.normal.allFinite() && o.normal.stableNorm() > 0, "normal must be finite and not zero",
           o.normal.transpose());
-  RequireInRange("", "radius", radius_, "m", kNotNegative);
-  RequireInRange("", "stiffness", k_, "N/m", kPositive);
-  RequireInRange("", "damping", c_, "s/m", kNotNegative);
-  RequireInRange("", "friction", mu_, "", kNotNegative);
-  RequireInRange("", "slip_speed", v_s_, "m/s", kPositive);
+  RequireInRange("", o);
 
   Compute(touch_).From(motion).As(&Surface::Meet);
   Compute(penetration).From(touch_).As([](const Touch& touch) { return touch.p; });

@@ -5,6 +5,7 @@
 #include "pliant/plants/robot_dynamics.h"
 #include "pliant/plants/robot_model.h"
 #include "pliant/systems/block.h"
+#include "pliant/systems/parameter.h"
 
 namespace pliant {
 
@@ -30,16 +31,31 @@ namespace pliant {
 class Surface final : public Block {
  public:
   struct Options {
+    static constexpr const char* kTag = "Surface";
+
     RobotModel model;
     std::string link;
     Eigen::Vector3d point = Eigen::Vector3d::Zero();    ///< centre of the tip, in the link [m]
     double radius = 0;                                  ///< of the tip [m], ≥ 0
     Eigen::Vector3d origin = Eigen::Vector3d::Zero();   ///< a point of the plane, in the world [m]
     Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< n, to the free side, of any length
-    double stiffness;                                   ///< k [N/m], > 0
+    double stiffness = kToBeGiven;                      ///< k [N/m], > 0
     double damping = 0;                                 ///< c [s/m], ≥ 0
     double friction = 0;                                ///< μ, ≥ 0
     double slip_speed = 1e-3;                           ///< v_s [m/s], > 0
+
+    template <class F>
+    void Parameters(F&& f) {
+      f("link", link);
+      f("point", point, "m");
+      f("radius", radius, "m", kNotNegative);
+      f("origin", origin, "m");
+      f("normal", normal);
+      f("stiffness", stiffness, "N/m", kPositive);
+      f("damping", damping, "s/m", kNotNegative);
+      f("friction", friction, "", kNotNegative);
+      f("slip_speed", slip_speed, "m/s", kPositive);
+    }
   };
 
   explicit Surface(const Options& o);

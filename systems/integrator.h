@@ -5,8 +5,9 @@
 #include <span>
 #include <string>
 #include <type_traits>
+#include <vector>
 
-#include "pliant/systems/error.h"
+#include "pliant/systems/parameter.h"
 
 namespace pliant {
 
@@ -27,8 +28,11 @@ enum class Method {
   kBdf,              ///< order 1 to 5 implicit: stiff friction and contact without events
 };
 
-/// The name of a method as it stands in scenario files and messages, such as "bogacki_shampine".
-const char* Name(Method method);
+/// As in scenario files and messages, such as "bogacki_shampine".
+const std::vector<std::string>& Words(Method);
+inline const char* Name(Method method) {
+  return Words(method)[static_cast<std::size_t>(method)].c_str();
+}
 
 /// A local error e of a step is accepted when
 ///
@@ -43,6 +47,18 @@ struct IntegratorOptions {
   double initial_step_s = 0;               ///< 0: estimated from f, at two or more evaluations
   double fixed_step_s = 0;                 ///< 0: adaptive; otherwise explicit Runge–Kutta only
   int max_steps_between_events = 100'000;  ///< from a Reset or a reached stop time to the next
+
+  template <class F>
+  void Parameters(F&& f) {
+    f("method", method);
+    f("relative_tolerance", relative_tolerance, "", Between(1e-14, 0.999));
+    f("absolute_tolerance", absolute_tolerance, "", kPositive);
+    f("max_step_s", max_step_s, "s", kPositive);
+    f("min_step_s", min_step_s, "s", kPositive);
+    f("initial_step_s", initial_step_s, "s", kNotNegative);
+    f("fixed_step_s", fixed_step_s, "s", kNotNegative);
+    f("max_steps_between_events", max_steps_between_events, "", Between(1, 1e9));
+  }
 
   bool operator==(const IntegratorOptions&) const = default;
 };

@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <vector>
 
 #include "pliant/systems/error.h"
 #include "pliant/systems/space.h"
@@ -34,19 +35,32 @@ constexpr Range Between(double least, double most) { return {.least = least, .mo
 /// The value of a parameter that must be given: it has no default.
 inline constexpr double kToBeGiven = std::numeric_limits<double>::quiet_NaN();
 
-/// A struct that names its parameters once, for checks, files and tables:
+/// A struct that names its parameters once, for checks, files, schemas and tables:
 ///
 ///   struct Gear {
 ///     double ratio = kToBeGiven;
+///     Transmission transmission = Transmission::Rigid;
 ///
 ///     template <class F>
 ///     void Parameters(F&& f) {
 ///       f("ratio", ratio, "", kPositive);
+///       f("transmission", transmission);
 ///     }
 ///   };
+///
+/// A parameter is a number, a flag, a word, a Duration, an enumerator that HasWords, a vector or
+/// matrix of numbers, a struct that HasParameters, or a std::optional, std::vector or std::variant
+/// of such; the alternatives of a variant have a `kTag`. What is NaN, an empty word, or a vector of
+/// NaN, is to be given.
 template <class T>
 concept HasParameters = requires(T& t) {
-  t.Parameters([](std::string_view, auto&, std::string_view, const Range&) {});
+  t.Parameters([](std::string_view, auto&, std::string_view = {}, const Range& = kAnyNumber) {});
+};
+
+/// An enumeration with a word for each value, 0, 1, 2, …: `Words(E)` names them.
+template <class E>
+concept HasWords = std::is_enum_v<E> && requires(E e) {
+  { Words(e) } -> std::same_as<const std::vector<std::string>&>;
 };
 
 /// Throws "<where>: gear_ratio must be > 0, got 0" for the first parameter out of its range.
@@ -56,11 +70,12 @@ void RequireInRange(std::string_view where, std::string_view name, double value,
 template <HasParameters T>
 void RequireInRange(std::string_view where, const T& parameters) {
   const_cast<T&>(parameters)
-      .Parameters(
-          [&](std::string_view name, const auto& value, std::string_view unit, const Range& range) {
-            if constexpr (std::same_as<std::decay_t<decltype(value)>, double>)
-              RequireInRange(where, name, value, unit, range);
-          });
+      .Parameters([&](std::string_view name, const auto& value, std::string_view unit = {},
+                      const Range& range = kAnyNumber) {
+        using Value = std::decay_t<decltype(value)>;
+        if constexpr (std::is_arithmetic_v<Value> && !std::same_as<Value, bool>)
+          RequireInRange(where, name, static_cast<double>(value), unit, range);
+      });
 }
 
 /// Throws "<name> has an element for each of the 7 joints, got 3".

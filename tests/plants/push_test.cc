@@ -64,11 +64,11 @@ TEST(Push, RefusesWhatIsNoPush) {
     return ErrorOf([&] { Push push(o); });
   };
   using O = Push::Options;
-  EXPECT_EQ(error([](O& o) { o.edge_s = 0; }), "edge_s must be > 0, got 0");
+  EXPECT_EQ(error([](O& o) { o.edge_s = 0; }), "edge_s must be > 0 s, got 0");
   EXPECT_EQ(error([](O& o) { o.duration_s = 0.3; }),
             "duration_s must be >= 2 edge_s = 0.4, got 0.3");
   EXPECT_EQ(error([](O& o) { o.force(1) = HUGE_VAL; }), "force must be finite, got   3 inf  12");
-  EXPECT_EQ(error([](O& o) { o.start_s = NAN; }), "start_s must be finite, got nan");
+  EXPECT_EQ(error([](O& o) { o.start_s = NAN; }), "start_s must be finite s, got nan");
 }
 
 TEST(ContactTorque, IsTheSumOfJacobiansTransposedTimesForces) {

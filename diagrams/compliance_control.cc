@@ -1,0 +1,93 @@
+#include "pliant/diagrams/compliance_control.h"
+
+#include "pliant/systems/constant.h"
+
+namespace pliant {
+
+ComplianceControl::ComplianceControl(const Options& o)
+    : measured_position{this, "measured_position", o.model.joints()},
+      measured_velocity{this, "measured_velocity", o.model.joints()},
+      measured_torque{this, "measured_torque", o.model.joints()},
+      true_torque{this, "true_torque", o.model.joints(), JointTorque::Zero(o.model.joints())},
+      torque{this, "torque", o.model.joints()},
+      current{this, "current", o.model.joints()} {
+  const Joints& joints = o.model.joints();
+  const int n = o.model.size();
+  const std::vector<std::string> frames{o.tool};
+  RequireOneForEach(joints, "position", o.position.size());
+  RobotDynamics start(o.model, frames);
+  ComputeDynamics(o.model, o.position, JointVelocity::Zero(joints), start);
+
+  dynamics = &Add<ModelDynamics>(
+      "dynamics", {.model = o.model, .frames = frames, .rotor_inertia = o.rotor_inertia});
+  link_dynamics = &Add<ModelDynamics>("link_dynamics", {.model = o.model});
+  observer = &Add<MomentumObserver>(
+      "observer",
+      {.joints = joints, .gain = PerJoint::Constant(n, o.observer_gain), .period = o.period});
+  auto& external = Add<ExternalAcceleration>("external", {.joints = joints});
+  pose = &Add<FrameTask>("pose", {.model = o.model,
+                                  .frame = o.tool,
+                                  .target = start.frame[0].pose,
+                                  .stiffness = TaskVector::Constant(6, o.pose.stiffness),
+                                  .damping = TaskVector::Constant(6, o.pose.damping),
+                                  .weight = o.pose.weight,
+                                  .compliance = o.pose.compliance * TaskMatrix::Identity(6, 6)});
+  posture =
+      &Add<PostureTask>("posture", {.model = o.model,
+                                    .target = o.position,
+                                    .stiffness = PerJoint::Constant(n, o.posture.stiffness),
+                                    .damping = PerJoint::Constant(n, o.posture.damping),
+                                    .weight = o.posture.weight,
+                                    .compliance = o.posture.compliance * JointMatrix::Identity(n, n)});
+  JointDamper::Options limits = o.damper;
+  limits.model = o.model;
+  auto& damper = Add<JointDamper>("damper", limits);
+  qp = &Add<ComplianceQp>("qp", {.model = o.model, .period = o.period});
+
+  Connect(measured_position, dynamics->position);
+  Connect(measured_velocity, dynamics->velocity);
+  Connect(measured_position, link_dynamics->position);
+  Connect(measured_velocity, link_dynamics->velocity);
+  Connect(link_dynamics->dynamics, observer->dynamics);
+  Connect(measured_torque, observer->torque);
+  Connect(dynamics->dynamics, external.dynamics);
+  Connect(dynamics->dynamics, pose->dynamics);
+  Connect(dynamics->dynamics, posture->dynamics);
+  Connect(dynamics->dynamics, damper.dynamics);
+  Connect(dynamics->dynamics, qp->dynamics);
+  if (o.estimate != TorqueEstimate::Zero) {
+    const auto estimate_from = [&](const auto& estimate) {
+      Connect(estimate, external.external_torque);
+      Connect(estimate, qp->external_torque);
+    };
+    if (o.estimate == TorqueEstimate::True)
+      estimate_from(true_torque);
+    else
+      estimate_from(observer->residual);
+    Connect(external.acceleration, pose->external_acceleration);
+    Connect(external.acceleration, posture->external_acceleration);
+  }
+  Connect(pose->objective, qp->objectives);
+  Connect(posture->objective, qp->objectives);
+  Connect(damper.bounds, qp->bounds);
+  Connect(qp->torque, torque);
+  if (o.low_level) {
+    auto& low_level = Add<LowLevelTorque>("low_level", *o.low_level);
+    Connect(qp->torque, low_level.torque);
+    Connect(qp->acceleration, low_level.acceleration);
+    Connect(measured_velocity, low_level.measured_velocity);
+    Connect(measured_torque, low_level.measured_torque);
+    Connect(low_level.current, current);
+  } else {
+    auto& none = Add<Constant<MotorCurrent>>(
+        "low_level", {.space = joints, .value = MotorCurrent::Zero(joints)});
+    Connect(none.y, current);
+  }
+}
+
+std::vector<const internal::Value*> ComplianceControl::recorded() const {
+  return {&observer->residual, &pose->error, &pose->error_rate, &posture->error, &qp->acceleration,
+          &qp->torque,         &qp->report,  &current};
+}
+
+}  // namespace pliant

@@ -1,0 +1,195 @@
+#include "pliant/diagrams/scenario.h"
+
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "pliant/plants/model_file.h"
+#include "pliant/systems/constant.h"
+#include "pliant/systems/nearest_name.h"
+#include "pliant/systems/pulse.h"
+#include "pliant/systems/recorder.h"
+
+namespace pliant {
+
+namespace {
+
+/// An arm that comes with pliant.
+struct KnownArm {
+  const char* name;
+  const char* urdf;
+  JointPosition home;  // [rad], for a station without a position
+  SimulatedArm::Options (*station)(const RobotModel&, const StationOptions&);
+};
+
+const KnownArm& ArmOf(const Scenario& scenario) {
+  constexpr double kPi = std::numbers::pi;
+  static const JointPosition gen3{0, 0.2618, kPi, -2.2689, 0, 0.9599, kPi / 2};
+  static const JointPosition lwr{0, 2 * kPi / 9, 0, -kPi / 2, 0, 5 * kPi / 18, 0};
+  static const std::array<KnownArm, 3> all{
+      {{"gen3", "gen3/gen3_7dof.urdf", gen3, &SimulatedGen3},
+       {"gen3_bota", "gen3/gen3_7dof_bota.urdf", gen3, &SimulatedGen3},
+       {"lwr", "lwr/lwr4p.urdf", lwr, &SimulatedLwr}}};
+  std::vector<std::string> names;
+  for (const KnownArm& arm : all) {
+    if (arm.name == scenario.robot) return arm;
+    names.emplace_back(arm.name);
+  }
+  throw Error("there is no robot '" + scenario.robot + "'" + DidYouMean(scenario.robot, names) +
+              "\n  known: gen3, gen3_bota, lwr");
+}
+
+RobotModel ModelOf(const Scenario& scenario) { return RobotModel::FromUrdf(UrdfOf(scenario)); }
+
+/// Of the controller: that of the arm's interface.
+Duration PeriodOf(const SimulatedArm::Options& arm) {
+  return arm.interface_period == Duration{} ? arm.period : arm.interface_period;
+}
+
+Duration Seconds(double s) {
+  return Duration::Nanoseconds(static_cast<std::int64_t>(std::round(1e9 * s)));
+}
+
+/// Adds the parts of an environment, named push_1, push_2, hand_1, …
+class Environment {
+ public:
+  Environment(DiagramBuilder& builder, SimulatedArm& arm, ContactTorque& true_torque,
+              const RobotModel& model, Duration period)
+      : builder_{builder}, arm_{arm}, true_torque_{true_torque}, model_{model}, period_{period} {}
+
+  /// A push that changes at the controller's ticks only, so that the true torque is what acts.
+  void operator()(Push::Options push) {
+    push.model = model_;
+    push.period = period_;
+    Contact(builder_.Add<Push>(Name("push", ++pushes_), push).force);
+  }
+  void operator()(const HandHold& hold) {
+    Hand::Options options = hold.hand;
+    options.model = model_;
+    options.anchored = true;
+    const std::string name = Name("hand", ++hands_);
+    auto& grip = builder_.Add<Pulse<double>>(
+        name + "_grip",
+        {.high = 1, .at = Seconds(hold.start_s), .width = Seconds(hold.duration_s)});
+    auto& hand = builder_.Add<Hand>(name, options);
+    auto& place = builder_.Add<Constant<Position>>(name + "_path", {.value = Position()});
+    builder_.Connect(place.y, hand.path);
+    builder_.Connect(grip.y, hand.grip);
+    builder_.Connect(arm_.motion, hand.motion);
+    Contact(hand.contact);
+  }
+  void operator()(MassOnRope::Options rope) {
+    rope.model = model_;
+    auto& mass = builder_.Add<MassOnRope>(Name("mass", ++masses_), rope);
+    builder_.Connect(arm_.motion, mass.motion);
+    Contact(mass.contact);
+    recorded.push_back(&mass.position);
+    recorded.push_back(&mass.tension);
+  }
+  void operator()(Surface::Options plane) {
+    plane.model = model_;
+    auto& surface = builder_.Add<Surface>(Name("surface", ++surfaces_), plane);
+    builder_.Connect(arm_.motion, surface.motion);
+    Contact(surface.contact);
+    recorded.push_back(&surface.penetration);
+  }
+
+  std::vector<const internal::Value*> recorded;
+
+ private:
+  static std::string Name(const char* kind, int number) {
+    return std::string(kind) + "_" + std::to_string(number);
+  }
+  void Contact(const Output<ContactForce>& contact) {
+    builder_.Connect(contact, arm_.contacts);
+    builder_.Connect(contact, true_torque_.contacts);
+    recorded.push_back(&contact);
+  }
+
+  DiagramBuilder& builder_;
+  SimulatedArm& arm_;
+  ContactTorque& true_torque_;
+  const RobotModel model_;
+  const Duration period_;
+  int pushes_ = 0, hands_ = 0, masses_ = 0, surfaces_ = 0;
+};
+
+}  // namespace
+
+std::filesystem::path UrdfOf(const Scenario& scenario) { return ModelFile(ArmOf(scenario).urdf); }
+
+SimulatedArm::Options StationOf(const Scenario& scenario) {
+  const KnownArm& arm = ArmOf(scenario);
+  StationOptions options = std::get<StationOptions>(scenario.station);
+  if (options.position.size() == 0) options.position = arm.home;
+  options.seed = scenario.seed;
+  return arm.station(ModelOf(scenario), options);
+}
+
+ComplianceControl::Options ControllerOf(const Scenario& scenario, const SimulatedArm::Options& arm) {
+  ComplianceControl::Options control = std::get<ComplianceControl::Options>(scenario.controller);
+  Require(!arm.firmware.compensated,
+          "robot '" + scenario.robot +
+              "' carries its own weight, and !Compliance commands gravity: expected a robot that "
+              "does not, such as gen3");
+  const bool ideal = std::get<StationOptions>(scenario.station).ideal;
+  control.model = Perturbed(arm.model, scenario.model_error);
+  control.position = arm.position;
+  control.rotor_inertia = arm.actuators.reflected_inertia();
+  control.period = PeriodOf(arm);
+  if (!ideal)
+    control.low_level = LowLevelTorqueOf(Perturbed(arm.actuators, scenario.model_error),
+                                         control.model, control.period);
+  return control;
+}
+
+std::vector<Push::Options> PushesOf(const Scenario& scenario) {
+  std::vector<Push::Options> pushes;
+  for (const EnvironmentPart& part : scenario.environment)
+    if (const auto* push = std::get_if<Push::Options>(&part)) pushes.push_back(*push);
+  return pushes;
+}
+
+ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<RecordSink> sink) {
+  RequireInRange("", scenario);
+  const SimulatedArm::Options station = StationOf(scenario);
+  const ComplianceControl::Options controller = ControllerOf(scenario, station);
+  const Duration period = controller.period;
+  const Joints& joints = station.model.joints();
+
+  // The plant's model at what the sensors say: contacts push the arm that is there.
+  DiagramBuilder& b = builder;
+  auto& link_motion = b.Add<ModelDynamics>("link_motion", {.model = station.model});
+  true_torque = &b.Add<ContactTorque>("true_torque", {.model = station.model});
+  arm = &b.Add<SimulatedArm>("arm", station);
+  Environment environment(b, *arm, *true_torque, station.model, period);
+  for (const EnvironmentPart& part : scenario.environment) std::visit(environment, part);
+  control = &b.Add<ComplianceControl>("control", controller);
+  auto& schedule = b.Add<ModeSchedule>(
+      "schedule", {.first = controller.low_level ? ControlMode::Current : ControlMode::Torque,
+                   .changes = scenario.schedule,
+                   .period = period});
+
+  b.Connect(arm->measured_position, link_motion.position);
+  b.Connect(arm->measured_velocity, link_motion.velocity);
+  b.Connect(link_motion.dynamics, true_torque->dynamics);
+  b.Connect(arm->measured_position, control->measured_position);
+  b.Connect(arm->measured_velocity, control->measured_velocity);
+  b.Connect(arm->measured_torque, control->measured_torque);
+  b.Connect(true_torque->torque, control->true_torque);
+  b.Connect(schedule.mode, arm->mode);
+  b.Connect(control->torque, arm->torque_command);
+  b.Connect(control->current, arm->current_command);
+
+  if (!sink) return;
+  auto& recorder =
+      b.Add<Recorder>("recorder", {.period = scenario.log_period.value_or(period), .sink = sink});
+  const auto record = [&](const auto&... values) { (b.Connect(values, recorder.in), ...); };
+  record(arm->measured_position, arm->measured_velocity, arm->measured_torque,
+         arm->measured_current, arm->wrench, arm->status, arm->position, arm->velocity,
+         arm->joint_torque, arm->energy, true_torque->torque, schedule.mode);
+  for (const internal::Value* value : environment.recorded) b.Connect(*value, recorder.in);
+  for (const internal::Value* value : control->recorded()) b.Connect(*value, recorder.in);
+}
+
+}  // namespace pliant

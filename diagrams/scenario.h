@@ -1,0 +1,104 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "pliant/diagrams/compliance_control.h"
+#include "pliant/diagrams/mode_schedule.h"
+#include "pliant/diagrams/simulated_arm.h"
+#include "pliant/diagrams/stations.h"
+#include "pliant/plants/hand.h"
+#include "pliant/plants/mass_on_rope.h"
+#include "pliant/plants/model_error.h"
+#include "pliant/plants/push.h"
+#include "pliant/plants/surface.h"
+#include "pliant/systems/diagram.h"
+#include "pliant/systems/integrator.h"
+#include "pliant/systems/record_sink.h"
+
+namespace pliant {
+
+/// A hand that takes hold of a link, where the link is then, and lets go of it again.
+struct HandHold {
+  static constexpr const char* kTag = "Hand";
+
+  Hand::Options hand = {};  ///< anchored
+  double start_s = kToBeGiven;
+  double duration_s = kToBeGiven;
+
+  template <class F>
+  void Parameters(F&& f) {
+    hand.Parameters(f);
+    f("start_s", start_s, "s", kNotNegative);
+    f("duration_s", duration_s, "s", kPositive);
+  }
+};
+
+using EnvironmentPart =
+    std::variant<Push::Options, HandHold, MassOnRope::Options, Surface::Options>;
+
+/// One run of an arm, as a file describes it: the fields are the keys, and what has a default may
+/// be left out.
+struct Scenario {
+  std::string robot;  ///< gen3, gen3_bota or lwr
+  std::variant<StationOptions> station = {};
+  ModelError model_error = {};  ///< of the controller's model
+  std::variant<ComplianceControl::Options> controller = {};
+  std::vector<ModeChange> schedule = {};  ///< of the arm's mode; none: the controller's all along
+  std::vector<EnvironmentPart> environment = {};
+  IntegratorOptions integrator = {};
+  double duration_s = kToBeGiven;
+  std::uint64_t seed = 1;             ///< of the sensors' noise and bias
+  std::optional<Duration> log_period = {};  ///< none: that of the controller
+
+  template <class F>
+  void Parameters(F&& f) {
+    f("robot", robot);
+    f("station", station);
+    f("model_error", model_error);
+    f("controller", controller);
+    f("schedule", schedule);
+    f("environment", environment);
+    f("integrator", integrator);
+    f("duration_s", duration_s, "s", Between(1e-3, 1e6));
+    f("seed", seed, "", Between(0, 9007199254740992.0));
+    f("log_period", log_period);
+  }
+};
+
+/// The URDF file of a scenario's robot.
+std::filesystem::path UrdfOf(const Scenario& scenario);
+
+/// The arm of a scenario, with everything that comes with its name filled in.
+SimulatedArm::Options StationOf(const Scenario& scenario);
+
+/// The controller of a scenario for that arm: its model may have errors.
+ComplianceControl::Options ControllerOf(const Scenario& scenario, const SimulatedArm::Options& arm);
+
+/// The pushes among a scenario's environment.
+std::vector<Push::Options> PushesOf(const Scenario& scenario);
+
+/// An arm, its controller and its environment, before they are built:
+///
+///   environment ─▶ arm ─▶ control ─▶ arm
+///        │         ▲ └──▶ environment
+///        └─▶ true_torque ─▶ control
+///   schedule ──────┘
+///
+/// True torques are those of contacts as a controller's ticks see them, by the plant's own model.
+/// What `sink` gets, if there is one: measurements and truth of the arm, contacts, and what the
+/// controller names. Throws Error with the path of the block that cannot be.
+struct ScenarioDiagram {
+  explicit ScenarioDiagram(const Scenario& scenario, std::shared_ptr<RecordSink> sink = {});
+
+  DiagramBuilder builder;
+  SimulatedArm* arm;
+  ComplianceControl* control;
+  ContactTorque* true_torque;
+};
+
+}  // namespace pliant
