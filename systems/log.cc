@@ -6,7 +6,7 @@
 #include <charconv>
 #include <cstring>
 #include <fstream>
-#include <limits>
+#include <span>
 #include <system_error>
 
 #include "pliant/systems/nearest_name.h"
@@ -21,26 +21,17 @@ std::string Quoted(const std::string& name) {
 
 }  // namespace
 
-Log::Log(const std::vector<internal::Source>& sources, std::size_t capacity) : capacity_{capacity} {
-  for (const internal::Source& source : sources) {
-    if (!source.type->write)
-      throw Error("cannot log " + source.path + " : " + source.type->name +
-                  ", which is not made of numbers\ngive its type a function template Fields");
-    std::vector<internal::Column> columns;
-    source.type->columns(source.initial, source.space, columns);
-    if (columns.empty())
-      throw Error("cannot log " + source.path + " : " + source.type->name +
-                  ", which has no elements yet\ngive its port a space or an initial value");
-    widths_.push_back(columns.size());
-    for (const internal::Column& column : columns)
-      names_.push_back(source.path + column.name +
-                       (column.unit.empty() ? "" : " (" + column.unit + ")"));
-  }
+Log::Log(const std::vector<internal::Source>& sources, std::size_t capacity)
+    : numbers_{sources}, capacity_{capacity} {
+  for (const RecordedValue& value : numbers_.values())
+    for (std::size_t i = 0; i < value.elements.size(); ++i)
+      names_.push_back(value.path + value.elements[i] +
+                       (value.units[i].empty() ? "" : " (" + value.units[i] + ")"));
   cells_.reserve(capacity_ * width());
 }
 
 Log::Log(const Log& other)
-    : names_{other.names_}, widths_{other.widths_}, capacity_{other.capacity_} {
+    : names_{other.names_}, numbers_{other.numbers_}, capacity_{other.capacity_} {
   cells_.reserve(std::max(capacity_ * width(), other.cells_.size()));
   cells_ = other.cells_;
 }
@@ -48,7 +39,7 @@ Log::Log(const Log& other)
 Log& Log::operator=(const Log& other) {
   if (this == &other) return *this;
   names_ = other.names_;
-  widths_ = other.widths_;
+  numbers_ = other.numbers_;
   capacity_ = other.capacity_;
   cells_.reserve(capacity_ * width());
   cells_ = other.cells_;
@@ -74,14 +65,9 @@ void Log::Record(double t, const AnyValues& values) {
   while (!cells_.empty() && cells_[cells_.size() - width()] >= t)
     cells_.resize(cells_.size() - width());
   const std::size_t begin = cells_.size();
-  cells_.resize(begin + width(), std::numeric_limits<double>::quiet_NaN());
-  double* cell = cells_.data() + begin;
-  *cell++ = t;
-  for (int i = 0; i < values.size(); ++i) {
-    const std::size_t n = widths_[static_cast<std::size_t>(i)];
-    if (values.type(i).count(values[i]) == n) values.type(i).store(values[i], cell);
-    cell += n;
-  }
+  cells_.resize(begin + width());
+  cells_[begin] = t;
+  numbers_.Store(values, std::span(cells_).subspan(begin + 1));
 }
 
 void Log::WriteCsv(const std::filesystem::path& file) const {

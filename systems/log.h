@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "pliant/systems/block.h"
+#include "pliant/systems/wired_numbers.h"
 
 namespace pliant {
 
@@ -49,9 +50,9 @@ class Log {
   Column At(std::size_t column) const;
 
   std::vector<std::string> names_;
-  std::vector<std::size_t> widths_;  // of the values
-  std::vector<double> cells_;        // row by row, the time first
-  std::size_t capacity_ = 0;         // rows
+  internal::WiredNumbers numbers_;
+  std::vector<double> cells_;  // row by row, the time first
+  std::size_t capacity_ = 0;   // rows
 };
 
 }  // namespace pliant
