@@ -32,13 +32,13 @@ ComplianceControl::ComplianceControl(const Options& o)
                                   .damping = TaskVector::Constant(6, o.pose.damping),
                                   .weight = o.pose.weight,
                                   .compliance = o.pose.compliance * TaskMatrix::Identity(6, 6)});
-  posture =
-      &Add<PostureTask>("posture", {.model = o.model,
-                                    .target = o.position,
-                                    .stiffness = PerJoint::Constant(n, o.posture.stiffness),
-                                    .damping = PerJoint::Constant(n, o.posture.damping),
-                                    .weight = o.posture.weight,
-                                    .compliance = o.posture.compliance * JointMatrix::Identity(n, n)});
+  posture = &Add<PostureTask>("posture",
+                              {.model = o.model,
+                               .target = o.position,
+                               .stiffness = PerJoint::Constant(n, o.posture.stiffness),
+                               .damping = PerJoint::Constant(n, o.posture.damping),
+                               .weight = o.posture.weight,
+                               .compliance = o.posture.compliance * JointMatrix::Identity(n, n)});
   JointDamper::Options limits = o.damper;
   limits.model = o.model;
   auto& damper = Add<JointDamper>("damper", limits);
@@ -86,8 +86,8 @@ ComplianceControl::ComplianceControl(const Options& o)
 }
 
 std::vector<const internal::Value*> ComplianceControl::recorded() const {
-  return {&observer->residual, &pose->error, &pose->error_rate, &posture->error, &qp->acceleration,
-          &qp->torque,         &qp->report,  &current};
+  return {&observer->residual, &pose->error, &pose->error_rate, &posture->error,
+          &qp->acceleration,   &qp->torque,  &qp->report,       &current};
 }
 
 }  // namespace pliant

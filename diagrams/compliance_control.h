@@ -53,10 +53,10 @@ class ComplianceControl final : public Composite {
   struct Options {
     static constexpr const char* kTag = "Compliance";
 
-    RobotModel model;         ///< the controller's
-    JointPosition position;   ///< at the start: the posture and the pose to hold
-    PerJoint rotor_inertia;   ///< B, reflected [kg·m²]; empty: none
-    Duration period = 1ms;    ///< of the arm's interface
+    RobotModel model;        ///< the controller's
+    JointPosition position;  ///< at the start: the posture and the pose to hold
+    PerJoint rotor_inertia;  ///< B, reflected [kg·m²]; empty: none
+    Duration period = 1ms;   ///< of the arm's interface
     /// Makes currents of the torques; without, `current` stays zero.
     std::optional<LowLevelTorque::Options> low_level = {};
 

@@ -126,7 +126,8 @@ SimulatedArm::Options StationOf(const Scenario& scenario) {
   return arm.station(ModelOf(scenario), options);
 }
 
-ComplianceControl::Options ControllerOf(const Scenario& scenario, const SimulatedArm::Options& arm) {
+ComplianceControl::Options ControllerOf(const Scenario& scenario,
+                                        const SimulatedArm::Options& arm) {
   ComplianceControl::Options control = std::get<ComplianceControl::Options>(scenario.controller);
   Require(!arm.firmware.compensated,
           "robot '" + scenario.robot +
@@ -155,7 +156,6 @@ ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<Recor
   const SimulatedArm::Options station = StationOf(scenario);
   const ComplianceControl::Options controller = ControllerOf(scenario, station);
   const Duration period = controller.period;
-  const Joints& joints = station.model.joints();
 
   // The plant's model at what the sensors say: contacts push the arm that is there.
   DiagramBuilder& b = builder;

@@ -52,7 +52,7 @@ struct Scenario {
   std::vector<EnvironmentPart> environment = {};
   IntegratorOptions integrator = {};
   double duration_s = kToBeGiven;
-  std::uint64_t seed = 1;             ///< of the sensors' noise and bias
+  std::uint64_t seed = 1;                   ///< of the sensors' noise and bias
   std::optional<Duration> log_period = {};  ///< none: that of the controller
 
   template <class F>

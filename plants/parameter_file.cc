@@ -174,7 +174,8 @@ std::optional<Amount> AmountOf(const YAML::Node& node) {
   const char* const end = word.data() + word.size();
   const auto [behind, error] = std::from_chars(begin, end, amount.number);
   if (error != std::errc{}) return {};
-  const std::size_t unit = word.find_first_not_of(' ', static_cast<std::size_t>(behind - word.data()));
+  const std::size_t unit =
+      word.find_first_not_of(' ', static_cast<std::size_t>(behind - word.data()));
   if (unit != std::string::npos) amount.unit = word.substr(unit);
   return amount;
 }

@@ -24,7 +24,7 @@ class Push final : public Block {
 
     RobotModel model;
     std::string link;
-    Eigen::Vector3d point = Eigen::Vector3d::Zero();                  ///< in the link's frame [m]
+    Eigen::Vector3d point = Eigen::Vector3d::Zero();                ///< in the link's frame [m]
     Eigen::Vector3d force = Eigen::Vector3d::Constant(kToBeGiven);  ///< F, world axes [N]
     double start_s = kToBeGiven;
     double duration_s = kToBeGiven;  ///< from the start of the rise to the end of the fall
