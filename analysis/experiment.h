@@ -1,32 +1,81 @@
 #pragma once
 
-#include <functional>
+#include <filesystem>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
-#include "pliant/analysis/report.h"
+#include "pliant/analysis/bound_claim.h"
+#include "pliant/analysis/compliance_claims.h"
+#include "pliant/analysis/experiment_figures.h"
+#include "pliant/diagrams/scenario.h"
+#include "pliant/plants/parameter_file.h"
 
 namespace pliant {
 
-/// How far a run is: what runs, simulated time, of how much, wall time so far [s].
-using Progress =
-    std::function<void(const std::string& phase, double done_s, double total_s, double wall_s)>;
-
-struct ExperimentOptions {
-  bool ideal = false;  ///< torque sources and sensors without error instead of the real ones
-};
-
-/// An experiment of the papers that anyone can run by name.
-struct Experiment {
+/// A run of an experiment: its scenario with some values changed.
+struct RunOf {
   std::string name;
-  std::string summary;
-  std::function<Report(const ExperimentOptions&, const Progress&)> run;
+  std::string title;
+  Overrides set = {};
+
+  template <class F>
+  void Parameters(F&& f) {
+    f("name", name);
+    f("title", title);
+    f("set", set);
+  }
 };
 
-const std::vector<Experiment>& Experiments();
+using ClaimCheck = std::variant<StandsStill, HoldsTool, YieldsAsInertia, KeepsLimits, BoundClaim>;
+using FigureOf = std::variant<VelocityFigure, PredictionFigure, LimitFigure, SignalFigure>;
+
+/// A file that can be run: a scenario, its runs, the claims to check and the figures to draw.
+struct Experiment {
+  std::string title;
+  std::string summary;
+  Scenario scenario = {};
+  std::vector<RunOf> runs = {};  ///< none: one, named "run"
+  std::vector<ClaimCheck> claims = {};
+  std::vector<FigureOf> figures = {};
+
+  template <class F>
+  void Parameters(F&& f) {
+    f("title", title);
+    f("summary", summary);
+    scenario.Parameters(f);
+    f("runs", runs);
+    f("claims", claims);
+    f("figures", figures);
+  }
+};
+
+/// An experiment and the scenario of each of its runs.
+struct ExperimentFile {
+  Experiment experiment;
+  std::vector<Scenario> scenarios;  ///< in the order of `experiment.runs`
+
+  /// Reads and checks everything, down to building each run's diagram, so that nothing is refused
+  /// later. `set` goes before what runs change. What is wrong is an Error "file:line:column: …".
+  static ExperimentFile Read(const std::filesystem::path& file, const Overrides& set = {});
+  static ExperimentFile ReadText(const std::string& text, const std::string& source,
+                                 const Overrides& set = {});
+
+  std::string text() const;  ///< as YAML that reads back the same
+};
+
+/// The experiments that come with pliant: the name of each and where its file is.
+struct NamedExperiment {
+  std::string name;
+  std::filesystem::path file;
+};
+std::vector<NamedExperiment> Experiments();
 
 /// Throws Error with the nearest name if there is none of that name.
-const Experiment& FindExperiment(std::string_view name);
+NamedExperiment FindExperiment(std::string_view name);
+
+/// The JSON Schema of experiment files, for editors.
+std::string ExperimentSchema();
 
 }  // namespace pliant

@@ -1,0 +1,155 @@
+#include "pliant/analysis/experiment_figures.h"
+
+#include <algorithm>
+#include <set>
+
+#include "pliant/analysis/compliance_claims.h"
+
+namespace pliant {
+
+namespace {
+
+using Series = Eigen::MatrixXd;
+
+std::vector<double> Vector(const Eigen::VectorXd& x) { return {x.begin(), x.end()}; }
+
+Eigen::VectorXd Norm(const Series& all, Eigen::Index first, Eigen::Index rows) {
+  return all.middleRows(first, rows).colwise().norm().transpose();
+}
+
+std::vector<Band> PushBands(const RunData& run) {
+  std::vector<Band> bands;
+  for (const Push::Options& push : PushesOf(run.scenario))
+    bands.push_back({push.start_s, push.start_s + push.duration_s});
+  return bands;
+}
+
+/// The sum of the norms of the pushes [N].
+Eigen::VectorXd PushForce(const RunData& run) {
+  Eigen::VectorXd force = Eigen::VectorXd::Zero(run.times().size());
+  for (std::size_t i = 1; i <= PushesOf(run.scenario).size(); ++i) {
+    const RecordedSignal& push = run.log["push_" + std::to_string(i) + ".force"];
+    force += (push["force[x]"].array().square() + push["force[y]"].array().square() +
+              push["force[z]"].array().square())
+                 .sqrt()
+                 .matrix();
+  }
+  return force;
+}
+
+}  // namespace
+
+Figure VelocityFigure::Draw(const Runs& all) const {
+  Figure figure{
+      .name = "velocities",
+      .caption =
+          "Norms of the tool's linear and angular velocity and of the joint velocity, and "
+          "(orange) the pushes. A column for each run.",
+      .columns = static_cast<int>(runs.size())};
+  struct Row {
+    const char* label;
+    const char* signal;
+    Eigen::Index first, rows;
+  };
+  for (const Row& row : {Row{"tool [m/s]", "control.pose.error_rate", 3, 3},
+                         Row{"tool [rad/s]", "control.pose.error_rate", 0, 3},
+                         Row{"joints [rad/s]", "arm.measured_velocity", 0, 0}}) {
+    const auto norm = [&](const RunData& run) {
+      const Series& signal = run[row.signal];
+      return Norm(signal, row.first, row.rows == 0 ? signal.rows() : row.rows);
+    };
+    double top = 0;  // one scale per row, so that columns compare
+    for (const std::string& name : runs) top = std::max(top, 1.1 * norm(all[name]).maxCoeff());
+    for (const std::string& name : runs) {
+      const RunData& run = all[name];
+      const Eigen::VectorXd force = PushForce(run);
+      const std::vector<double> t = Vector(run.times());
+      figure.panels.push_back(
+          {.title = row.first == 3 ? run.title : "",
+           .x = {.label = "time [s]"},
+           .left = {.label = row.label, .from = 0, .to = top},
+           .right = {.label = "force [N]", .from = 0, .to = 1.25 * std::max(1.0, force.maxCoeff())},
+           .curves = {{.label = "", .x = t, .y = Vector(norm(run))},
+                      {.label = "", .x = t, .y = Vector(force), .side = Side::Right}},
+           .x_bands = PushBands(run)});
+    }
+  }
+  return figure;
+}
+
+Figure PredictionFigure::Draw(const Runs& all) const {
+  Figure figure{.name = "predictions",
+                .caption =
+                    "How far the tool is off, measured and predicted: behind the observer "
+                    "by its transfer function, as if the push were static by Λ⁻¹F/λ₂."};
+  const auto add = [&](const RunData& run, const Series& predicted, const std::string& how) {
+    const auto millimetres = [](const Series& e) { return Vector(1000 * Norm(e, 3, 3)); };
+    figure.panels.push_back(
+        {.title = run.title,
+         .x = {.label = "time [s]"},
+         .left = {.label = "tool [mm]"},
+         .curves = {{.label = "measured",
+                     .x = Vector(run.times()),
+                     .y = millimetres(run["control.pose.error"])},
+                    {.label = how, .x = Vector(run.times()), .y = millimetres(predicted)}},
+         .x_bands = PushBands(run)});
+  };
+  for (const std::string& name : behind_observer)
+    add(all[name], PredictedError(all[name]), "predicted");
+  for (const std::string& name : as_if_static) add(all[name], StaticError(all[name]), "if static");
+  return figure;
+}
+
+Figure LimitFigure::Draw(const Runs& all) const {
+  const RunData& of = all[run];
+  const RobotModel& model = of.arm.model;
+  Figure figure{.name = "limits",
+                .caption = "Joint positions, velocities and torques as parts of their limits, " +
+                           of.title + ". Continuous joints have no position limit."};
+  Panel position{.x = {.label = "time [s]"}, .left = {.label = "position / limit"}};
+  Panel velocity{.x = {.label = "time [s]"}, .left = {.label = "velocity / limit"}};
+  Panel torque{.x = {.label = "time [s]"}, .left = {.label = "torque / limit"}};
+  const std::vector<double> t = Vector(of.times());
+  for (int i = 0; i < model.size(); ++i) {
+    const Joint& j = model.joint(i);
+    const auto row = [&](const char* path) { return Eigen::ArrayXd(of[path].row(i).transpose()); };
+    if (j.type != Joint::Type::Continuous)
+      position.curves.push_back(
+          {j.name, t,
+           Vector((2 * row("arm.measured_position") - j.lower - j.upper) / (j.upper - j.lower))});
+    velocity.curves.push_back({j.name, t, Vector(row("arm.measured_velocity") / j.velocity)});
+    torque.curves.push_back({j.name, t, Vector(row("control.qp.torque") / j.effort)});
+  }
+  for (Panel* panel : {&position, &velocity, &torque}) {
+    panel->limits = {{1}, {-1}};
+    panel->left.from = -1.1;
+    panel->left.to = 1.1;
+    figure.panels.push_back(std::move(*panel));
+  }
+  return figure;
+}
+
+Figure SignalFigure::Draw(const Runs& all) const {
+  Figure figure{.name = name, .caption = caption, .columns = static_cast<int>(runs.size())};
+  for (const std::string& path : signals) {
+    for (const std::string& run : runs) {
+      const RecordedSignal& signal = all[run].log[path];
+      const std::set<std::string> units(signal.units.begin(), signal.units.end());
+      Panel panel{.title = path == signals.front() ? all[run].title : "",
+                  .x = {.label = "time [s]"},
+                  .left = {.label = path + (units.size() == 1 && !units.begin()->empty()
+                                                ? " [" + *units.begin() + "]"
+                                                : "")},
+                  .x_bands = PushBands(all[run])};
+      for (std::size_t i = 0; i < signal.elements.size(); ++i)
+        panel.curves.push_back(
+            {.label = signal.elements[i],
+             .x = Vector(signal.times),
+             .y = Vector(signal.numbers.row(static_cast<Eigen::Index>(i)).transpose())});
+      figure.panels.push_back(std::move(panel));
+    }
+  }
+  return figure;
+}
+
+}  // namespace pliant

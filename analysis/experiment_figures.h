@@ -1,0 +1,67 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "pliant/analysis/figure.h"
+#include "pliant/analysis/run_data.h"
+
+namespace pliant {
+
+/// EC-fig6: norms of the tool's linear and angular velocity and of the joint velocity, and the
+/// force of the pushes; a column for each run.
+struct VelocityFigure {
+  static constexpr const char* kTag = "Velocities";
+  std::vector<std::string> runs;
+
+  template <class F>
+  void Parameters(F&& f) {
+    f("runs", runs);
+  }
+  Figure Draw(const Runs& runs) const;
+};
+
+/// How far the tool is off, measured and predicted: behind the observer by its transfer function,
+/// and, for `full`, as if the push were static.
+struct PredictionFigure {
+  static constexpr const char* kTag = "Predictions";
+  std::vector<std::string> behind_observer;
+  std::vector<std::string> as_if_static;
+
+  template <class F>
+  void Parameters(F&& f) {
+    f("behind_observer", behind_observer);
+    f("as_if_static", as_if_static);
+  }
+  Figure Draw(const Runs& runs) const;
+};
+
+/// Joint positions, velocities and torques of a run as parts of their limits.
+struct LimitFigure {
+  static constexpr const char* kTag = "Limits";
+  std::string run;
+
+  template <class F>
+  void Parameters(F&& f) {
+    f("run", run);
+  }
+  Figure Draw(const Runs& runs) const;
+};
+
+/// Signals over time: a row for each signal, a column for each run, a curve for each element.
+struct SignalFigure {
+  static constexpr const char* kTag = "Signals";
+  std::string name, caption;
+  std::vector<std::string> runs, signals;
+
+  template <class F>
+  void Parameters(F&& f) {
+    f("name", name);
+    f("caption", caption);
+    f("runs", runs);
+    f("signals", signals);
+  }
+  Figure Draw(const Runs& runs) const;
+};
+
+}  // namespace pliant

@@ -1,0 +1,72 @@
+#include "pliant/analysis/run_data.h"
+
+#include <algorithm>
+#include <charconv>
+
+#include "pliant/plants/parameter_file.h"
+#include "pliant/systems/nearest_name.h"
+
+namespace pliant {
+
+namespace {
+
+using Words = std::map<std::string, std::string>;
+
+const std::string& WordOf(const Words& words, const std::string& key, const std::string& file) {
+  const auto found = words.find(key);
+  if (found == words.end())
+    throw Error(file + ": its record 'pliant' says nothing under '" + key +
+                "'; expected a log that `pliant run` wrote");
+  return found->second;
+}
+
+/// 0 where the record has no such number: a run that was killed could not write it.
+template <class Number>
+Number NumberOf(const Words& words, const std::string& key) {
+  Number number{};
+  if (const auto found = words.find(key); found != words.end())
+    std::from_chars(found->second.data(), found->second.data() + found->second.size(), number);
+  return number;
+}
+
+}  // namespace
+
+RunData RunData::Read(const std::filesystem::path& file) {
+  RunData run{.file = file, .log = Recording::Read(file)};
+  const Recording::Metadata& metadata = run.log.metadata();
+  const auto pliant = metadata.find("pliant");
+  if (pliant == metadata.end())
+    throw Error(file.string() +
+                ": it has no record 'pliant'; expected a log that `pliant run` wrote");
+  run.name = WordOf(pliant->second, "run", file.string());
+  run.title = WordOf(pliant->second, "title", file.string());
+  run.version = WordOf(pliant->second, "version", file.string());
+  run.experiment = WordOf(pliant->second, "experiment", file.string());
+  run.repetition = NumberOf<int>(pliant->second, "repetition");
+  ParameterFile::ReadText(WordOf(pliant->second, "scenario", file.string()),
+                          file.string() + ": scenario")
+      .Fill(run.scenario);
+  run.arm = StationOf(run.scenario);
+  run.control = ControllerOf(run.scenario, run.arm);
+  const auto ended = metadata.find("pliant.run");
+  const Words none, &end = ended == metadata.end() ? none : ended->second;
+  run.timing = {.simulated_s = NumberOf<double>(end, "simulated_s"),
+                .wall_s = NumberOf<double>(end, "wall_s"),
+                .ticks = NumberOf<std::int64_t>(end, "ticks"),
+                .integrator_steps = NumberOf<std::int64_t>(end, "integrator_steps"),
+                .derivative_calls = NumberOf<std::int64_t>(end, "derivative_calls")};
+  run.whole = NumberOf<int>(end, "whole") == 1;
+  return run;
+}
+
+const Eigen::VectorXd& RunData::times() const { return log["arm.measured_position"].times; }
+
+const RunData& Runs::operator[](std::string_view name) const {
+  const auto found = std::ranges::find(runs_, name, &RunData::name);
+  if (found != runs_.end()) return **found;
+  std::vector<std::string> names;
+  for (const RunData* run : runs_) names.push_back(run->name);
+  throw Error("there is no run '" + std::string(name) + "'" + DidYouMean(name, names));
+}
+
+}  // namespace pliant

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "pliant/analysis/recording.h"
+#include "pliant/analysis/report.h"
+#include "pliant/diagrams/scenario.h"
+
+namespace pliant {
+
+/// What one run was and what it left: read from its log alone.
+struct RunData {
+  std::filesystem::path file;
+  std::string name;        ///< of the run in its experiment
+  std::string title;       ///< for tables and figures
+  int repetition = 0;      ///< from 0
+  std::string experiment;  ///< the effective file, as YAML
+  std::string version;     ///< of pliant
+  Scenario scenario = {};
+  SimulatedArm::Options arm = {};
+  ComplianceControl::Options control = {};
+  Timing timing = {};
+  bool whole = true;  ///< it reached its end
+  Recording log = {};
+
+  /// Throws Error with the file if it is no log of a run.
+  static RunData Read(const std::filesystem::path& file);
+
+  const Eigen::VectorXd& times() const;  ///< of the controller's ticks [s]
+  /// A column for each of `times`, a row for each element.
+  const Eigen::MatrixXd& operator[](std::string_view path) const { return log[path].numbers; }
+};
+
+/// One repetition of the runs of an experiment, by name.
+class Runs {
+ public:
+  explicit Runs(std::vector<const RunData*> runs) : runs_{std::move(runs)} {}
+
+  /// Throws Error with the nearest name if there is none.
+  const RunData& operator[](std::string_view name) const;
+  const std::vector<const RunData*>& all() const { return runs_; }
+
+ private:
+  std::vector<const RunData*> runs_;
+};
+
+}  // namespace pliant
