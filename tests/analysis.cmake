@@ -8,3 +8,13 @@ pliant_test(analysis/compliance_prediction_test.cc LIBRARIES pliant::analysis)
 pliant_test(analysis/null_space_compliance_test.cc LIBRARIES pliant::analysis)
 pliant_test(analysis/work_precision_test.cc LIBRARIES pliant::analysis)
 pliant_test(analysis/integrator_study_test.cc LIBRARIES pliant::analysis)
+
+# Logs, read by the libraries of others.
+add_executable(analysis_mcap_sample analysis/mcap/sample.cc)
+target_link_libraries(analysis_mcap_sample PRIVATE pliant_options pliant::analysis
+                                                   nlohmann_json::nlohmann_json)
+set_target_properties(analysis_mcap_sample PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/tests)
+add_test(NAME analysis/mcap
+         COMMAND Python3::Interpreter -B ${CMAKE_CURRENT_SOURCE_DIR}/analysis/mcap/mcap_test.py
+                 $<TARGET_FILE:analysis_mcap_sample> ${CMAKE_CURRENT_BINARY_DIR}/mcap)
+set_tests_properties(analysis/mcap PROPERTIES TIMEOUT 600)
