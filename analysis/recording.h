@@ -32,13 +32,17 @@ class Recording {
   using Metadata = std::map<std::string, std::map<std::string, std::string>>;
 
   Recording() = default;
-  Recording(std::vector<RecordedSignal> signals, Metadata metadata);
+  Recording(std::vector<RecordedSignal> signals, Metadata metadata,
+            std::string robot_description = {});
 
-  /// A log written by McapLog. Throws Error with the file and the place in it.
+  /// A log written by McapLog, a signal's rows in order of time. Throws Error with the file and the
+  /// place in it.
   static Recording Read(const std::filesystem::path& file);
 
   const std::vector<RecordedSignal>& signals() const { return signals_; }
   const Metadata& metadata() const { return metadata_; }
+  /// URDF; empty if the log has none.
+  const std::string& robot_description() const { return robot_description_; }
   bool has(std::string_view path) const;
   /// Throws Error with the nearest path if there is none.
   const RecordedSignal& operator[](std::string_view path) const;
@@ -46,6 +50,7 @@ class Recording {
  private:
   std::vector<RecordedSignal> signals_;
   Metadata metadata_;
+  std::string robot_description_;
 };
 
 }  // namespace pliant

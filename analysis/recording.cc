@@ -1,0 +1,213 @@
+#include "pliant/analysis/recording.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <map>
+#include <new>
+#include <nlohmann/json.hpp>
+#include <numeric>
+#include <utility>
+
+#include "pliant/analysis/mcap_reader.h"
+#include "pliant/systems/error.h"
+#include "pliant/systems/nearest_name.h"
+
+namespace pliant {
+
+namespace {
+
+/// Little-endian CDR, with no options.
+constexpr std::array kCdrHead{std::byte{0}, std::byte{1}, std::byte{0}, std::byte{0}};
+
+/// "[elbow]" and "elbow" are "elbow"; ".force[x]" and "force[x]" are "force.x".
+std::string Plain(std::string_view element) {
+  std::string plain;
+  for (const char c : element)
+    if (c == '[' || c == '.') {
+      if (!plain.empty()) plain += '.';
+    } else if (c != ']') {
+      plain += c;
+    }
+  return plain;
+}
+
+std::vector<std::string> Words(const McapChannel& channel, const std::string& key) {
+  const auto fail = [&](const std::string& found) {
+    throw Error(channel.topic + ": the channel's metadata " + key +
+                " must be a list of words in JSON, got " + found);
+  };
+  const auto at = channel.metadata.find(key);
+  if (at == channel.metadata.end()) fail("none");
+  const auto list = nlohmann::json::parse(at->second, nullptr, /*allow_exceptions=*/false);
+  const auto is_word = [](const nlohmann::json& word) { return word.is_string(); };
+  if (!list.is_array() || !std::ranges::all_of(list, is_word)) fail(at->second);
+  return list.get<std::vector<std::string>>();
+}
+
+/// What is recorded in a channel; false if it is nothing of ours.
+bool IsRecorded(const McapChannel& channel, RecordedValue* value) {
+  const auto path = channel.metadata.find("pliant.path");
+  if (path == channel.metadata.end()) return false;
+  const auto type = channel.metadata.find("pliant.type");
+  value->path = path->second;
+  value->type = type == channel.metadata.end() ? "" : type->second;
+  value->elements = Words(channel, "pliant.elements");
+  value->units = Words(channel, "pliant.units");
+  if (value->elements.size() != value->units.size())
+    throw Error(channel.topic + ": there must be a unit for each element, got " +
+                Text(value->units.size()) + " for " + Text(value->elements.size()));
+  if (channel.message_encoding != "cdr")
+    throw Error(channel.topic + ": the messages must be cdr, got " + channel.message_encoding);
+  return true;
+}
+
+std::string Described(const RecordedValue& value) {
+  std::string text = value.type + " of";
+  for (std::size_t i = 0; i < value.elements.size(); ++i)
+    text += ' ' + value.elements[i] + " (" + value.units[i] + ')';
+  return text;
+}
+
+/// The rows of a signal as they come.
+struct Rows {
+  RecordedValue value;
+  std::vector<std::uint64_t> times;  // [ns]
+  std::vector<double> numbers;
+
+  void Add(const McapMessage& message) {
+    const std::size_t count = value.elements.size();
+    if (message.data.size() != kCdrHead.size() + count * sizeof(double) ||
+        !std::ranges::equal(message.data.first(kCdrHead.size()), kCdrHead))
+      throw Error(message.channel.topic + ": the message at " +
+                  Text(1e-9 * static_cast<double>(message.log_time)) + " s must be " + Text(count) +
+                  " numbers in little-endian CDR, got " + Text(message.data.size()) + " bytes");
+    times.push_back(message.log_time);
+    numbers.resize(numbers.size() + count);
+    std::memcpy(numbers.data() + numbers.size() - count, message.data.data() + kCdrHead.size(),
+                count * sizeof(double));
+  }
+
+  RecordedSignal Sorted() const {
+    std::vector<std::size_t> order(times.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    if (!std::ranges::is_sorted(times))
+      std::ranges::stable_sort(order, {}, [&](std::size_t i) { return times[i]; });
+    const auto rows = static_cast<Eigen::Index>(order.size());
+    const auto count = static_cast<Eigen::Index>(value.elements.size());
+    RecordedSignal signal{value, Eigen::VectorXd(rows), Eigen::MatrixXd(count, rows)};
+    for (Eigen::Index k = 0; k < rows; ++k) {
+      const std::size_t row = order[static_cast<std::size_t>(k)];
+      signal.times(k) = static_cast<double>(times[row]) / 1e9;
+      signal.numbers.col(k) =
+          Eigen::VectorXd::Map(numbers.data() + row * value.elements.size(), count);
+    }
+    return signal;
+  }
+};
+
+/// The text of a std_msgs/msg/String; empty if it is none.
+std::string StringOf(const McapMessage& message) {
+  std::span data = message.data;
+  std::uint32_t size = 0;
+  const std::size_t head = kCdrHead.size() + sizeof size;
+  if (data.size() < head || !std::ranges::equal(data.first(kCdrHead.size()), kCdrHead)) return {};
+  std::memcpy(&size, data.data() + kCdrHead.size(), sizeof size);
+  data = data.subspan(head);
+  if (size == 0 || size > data.size()) return {};
+  return {reinterpret_cast<const char*>(data.data()), size - 1};  // without its 0
+}
+
+Error NotOurs(const std::filesystem::path& file, const McapReader& log) {
+  constexpr std::size_t kShown = 20;
+  std::string topics;
+  for (std::size_t i = 0; i < log.channels().size() && i < kShown; ++i)
+    topics += "\n  " + log.channels()[i].topic + " : " + log.channels()[i].schema_name;
+  if (log.channels().size() > kShown)
+    topics += "\n  and " + Text(log.channels().size() - kShown) + " more";
+  return Error(file.string() + " is an MCAP file of " +
+               (log.library().empty() ? "another program" : "'" + log.library() + "'") +
+               " and holds no recording of pliant\n" +
+               (topics.empty() ? "it has no topics" : "its topics:" + topics));
+}
+
+Recording ReadLog(const std::filesystem::path& file) {
+  const McapReader log(file);
+  if (!log.fault().empty()) throw Error(log.fault());
+
+  std::vector<Rows> signals;
+  std::map<std::uint16_t, std::size_t> of_channel;
+  for (const McapChannel& channel : log.channels()) {
+    RecordedValue value;
+    if (!IsRecorded(channel, &value)) continue;
+    const auto is_it = [&](const Rows& rows) { return rows.value.path == value.path; };
+    const auto known = std::ranges::find_if(signals, is_it);
+    if (known != signals.end() && known->value != value)
+      throw Error(value.path + " changes within the log\n  from  " + Described(known->value) +
+                  "\n  to    " + Described(value));
+    of_channel[channel.id] = static_cast<std::size_t>(known - signals.begin());
+    if (known == signals.end()) signals.push_back({std::move(value), {}, {}});
+  }
+  if (signals.empty()) throw NotOurs(file, log);
+
+  std::string robot_description;
+  log.ForEach({}, [&](const McapMessage& message) {
+    if (const auto signal = of_channel.find(message.channel.id); signal != of_channel.end()) {
+      signals[signal->second].Add(message);
+    } else if (message.channel.topic == "/robot_description") {
+      robot_description = StringOf(message);
+    }
+  });
+
+  std::vector<RecordedSignal> sorted;
+  for (Rows& rows : signals) {
+    sorted.push_back(rows.Sorted());
+    rows = {};
+  }
+  return {std::move(sorted), log.metadata(), std::move(robot_description)};
+}
+
+}  // namespace
+
+Eigen::VectorXd RecordedSignal::operator[](std::string_view element) const {
+  auto at = std::ranges::find(elements, element);
+  if (at == elements.end())
+    at = std::ranges::find(elements, Plain(element), [](const auto& e) { return Plain(e); });
+  if (at == elements.end())
+    throw Error(path + " has no element '" + std::string(element) + "'" +
+                DidYouMean(element, elements));
+  return numbers.row(at - elements.begin());
+}
+
+Recording::Recording(std::vector<RecordedSignal> signals, Metadata metadata,
+                     std::string robot_description)
+    : signals_{std::move(signals)},
+      metadata_{std::move(metadata)},
+      robot_description_{std::move(robot_description)} {}
+
+Recording Recording::Read(const std::filesystem::path& file) {
+  try {
+    return ReadLog(file);
+  } catch (const std::bad_alloc&) {
+    throw Error(file.string() + ": the recording does not fit into the memory");
+  } catch (const Error& error) {
+    // What is wrong with a channel or a message does not know its file.
+    const std::string text = error.what();
+    throw text.find(file.string()) == std::string::npos ? Error(file.string() + ": " + text)
+                                                        : error;
+  }
+}
+
+bool Recording::has(std::string_view path) const {
+  return std::ranges::find(signals_, path, &RecordedSignal::path) != signals_.end();
+}
+
+const RecordedSignal& Recording::operator[](std::string_view path) const {
+  const auto at = std::ranges::find(signals_, path, &RecordedSignal::path);
+  if (at != signals_.end()) return *at;
+  std::vector<std::string> paths;
+  for (const RecordedSignal& signal : signals_) paths.push_back(signal.path);
+  throw Error("the recording has no signal '" + std::string(path) + "'" + DidYouMean(path, paths));
+}
+
+}  // namespace pliant
