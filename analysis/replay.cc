@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <optional>
@@ -31,16 +32,18 @@ std::string AtTime(std::int64_t ns) { return "t = " + Text(Seconds(ns)) + " s"; 
 struct Track {
   const RecordedSignal* signal;
   const internal::Value* value;
-  std::vector<std::int64_t> times = {};  // [ns], rising
-  std::size_t row = 0;
+  Eigen::Index row = 0;
+
+  Eigen::Index rows() const { return signal->times.size(); }
+  std::int64_t time(Eigen::Index k) const { return std::llround(signal->times[k] * 1e9); }  // [ns]
 
   /// Goes on to time t; whether there is a row.
   bool Reach(std::int64_t t) {
-    while (row < times.size() && times[row] < t) ++row;
-    return row < times.size() && times[row] == t;
+    while (row < rows() && time(row) < t) ++row;
+    return row < rows() && time(row) == t;
   }
   std::span<const double> numbers() const {
-    return {signal->numbers.col(static_cast<Eigen::Index>(row)).data(), signal->elements.size()};
+    return {signal->numbers.col(row).data(), signal->elements.size()};
   }
 };
 
@@ -72,16 +75,16 @@ void CheckElements(const RecordedSignal& signal, const internal::Value& value) {
               "\nreplay with the robot and the settings that were recorded");
 }
 
-std::vector<std::int64_t> TimesOf(const RecordedSignal& signal) {
-  std::vector<std::int64_t> times;
-  for (const double t : signal.times) {
-    const std::int64_t ns = std::llround(t * 1e9);
-    if (!times.empty() && ns <= times.back())
-      throw Error("the rows of " + signal.path + " are not in the order of time: " + AtTime(ns) +
-                  " follows " + AtTime(times.back()));
-    times.push_back(ns);
-  }
-  return times;
+void CheckTimes(const Track& track) {
+  const std::string& path = track.signal->path;
+  if (track.rows() == 0) throw Error("the log has no row of " + path);
+  if (track.time(0) < 0)
+    throw Error("the log begins at " + AtTime(track.time(0)) +
+                ", before the start of a run: " + path);
+  for (Eigen::Index k = 1; k < track.rows(); ++k)
+    if (track.time(k) <= track.time(k - 1))
+      throw Error("the rows of " + path + " are not in the order of time: " +
+                  AtTime(track.time(k)) + " follows " + AtTime(track.time(k - 1)));
 }
 
 std::vector<Track> Tracks(const std::vector<NamedValue>& values, const Recording& recording) {
@@ -92,8 +95,8 @@ std::vector<Track> Tracks(const std::vector<NamedValue>& values, const Recording
     Require(signal.numbers.rows() == static_cast<Eigen::Index>(signal.elements.size()) &&
                 signal.numbers.cols() == signal.times.size(),
             "a recorded signal has a number for each element and time: " + signal.path);
-    if (signal.times.size() == 0) throw Error("the log has no row of " + signal.path);
-    tracks.push_back({&signal, v.value, TimesOf(signal)});
+    tracks.push_back({&signal, v.value});
+    CheckTimes(tracks.back());
   }
   return tracks;
 }
@@ -212,18 +215,19 @@ class Replayer {
   /// All times of rows until one of the inputs ends.
   std::vector<std::int64_t> Instants() const {
     std::int64_t end = kNever;
-    for (const Track& track : given_) end = std::min(end, track.times.back());
-    std::vector<std::int64_t> instants;
+    for (const Track& track : given_) end = std::min(end, track.time(track.rows() - 1));
+    std::vector<std::int64_t> all, more, both;
     for (const auto* tracks : {&given_, &computed_})
-      for (const Track& track : *tracks)
-        std::ranges::copy_if(track.times, std::back_inserter(instants),
-                             [&](std::int64_t t) { return t <= end; });
-    std::ranges::sort(instants);
-    const auto repeated = std::ranges::unique(instants);
-    instants.erase(repeated.begin(), repeated.end());
-    if (instants.front() < 0)
-      throw Error("the log begins at " + AtTime(instants.front()) + ", before the start at 0");
-    return instants;
+      for (const Track& track : *tracks) {
+        more.clear();
+        for (Eigen::Index k = 0; k < track.rows() && track.time(k) <= end; ++k)
+          more.push_back(track.time(k));
+        if (more == all) continue;
+        both.clear();
+        std::ranges::set_union(all, more, std::back_inserter(both));
+        all.swap(both);
+      }
+    return all;
   }
 
   void CheckBegin(std::int64_t first) const {

@@ -40,8 +40,8 @@ struct ReplayResult {
 ///   if (!result.identical()) std::cout << result.text();
 ///
 /// At a tick k the part reads row k of the signals that feed it, as it did when they were recorded:
-/// a row holds the values of that instant, held outputs new, states before their updates. So an
-/// unchanged program gives the same bits. What the log lacks is computed again where the log has
+/// a row of a recorder with a period holds the values of that instant, held outputs new, states
+/// before their updates. So an unchanged program gives the same bits. What the log lacks is computed again where the log has
 /// what it follows from (`along`); part.h says what can be run. Every recorded signal within the
 /// part is compared, at all rows at which its inputs are recorded.
 ///

@@ -9,6 +9,9 @@
 #include <string>
 #include <vector>
 
+#include "pliant/controllers/compliance_qp.h"
+#include "pliant/controllers/frame_task.h"
+#include "pliant/controllers/posture_task.h"
 #include "pliant/diagrams/simulated_arm.h"
 #include "pliant/estimators/momentum_observer.h"
 #include "pliant/plants/model_dynamics.h"
@@ -430,10 +433,54 @@ TEST(Replay, RefusesRowsThatAreOutOfOrder) {
             "t = 0.004 s");
 }
 
+TEST(Replay, RefusesASignalWithoutRows) {
+  const Recording empty = Changed(Recorded(), [](RecordedSignal& s) {
+    return s.path != "rig.torque" || KeepRows(s, [](Eigen::Index) { return false; });
+  });
+  EXPECT_EQ(ErrorOfReplay("rig.control", empty), "the log has no row of rig.torque");
+}
+
+TEST(Replay, RefusesRowsBeforeTheStart) {
+  const Recording early = Changed(Recorded(), [](RecordedSignal& s) {
+    s.times.array() -= 0.25;
+    return true;
+  });
+  EXPECT_EQ(ErrorOfReplay("rig.control", early),
+            "the log begins at t = -0.25 s, before the start of a run: rig.position");
+}
+
+TEST(Replay, RefusesASignalOfAnotherShapeThanItsNames) {
+  const Recording cut = Changed(Recorded(), [](RecordedSignal& s) {
+    s.numbers.conservativeResize(1, Eigen::NoChange);
+    return true;
+  });
+  EXPECT_EQ(ErrorOfReplay("rig.control", cut),
+            "a recorded signal has a number for each element and time: rig.position");
+}
+
+TEST(Replay, RefusesInputsAndOutputsThatWereNeverRecordedTogether) {
+  const Recording apart = Changed(Recorded(), [](RecordedSignal& s) {
+    const bool output = s.path == "rig.torque" || s.path == "rig.delayed";
+    return KeepRows(s, [&](Eigen::Index k) { return (k % 2 == 1) == output; });
+  });
+  EXPECT_EQ(ErrorOfReplay("rig.control", apart),
+            "the log has no instant at which both what feeds rig.control and what it computes "
+            "were recorded\nrecord both with the same period");
+}
+
 TEST(Replay, RefusesALogOfNothingThePartComputes) {
   EXPECT_EQ(ErrorOfReplay("rig.bias", Recorded()),
             "the log has no signal that rig.bias computes, so there is nothing to compare\n"
             "record one of its outputs");
+}
+
+TEST(Replay, ComparesSignalsRecordedAtDifferentPeriodsWhereTheyMeet) {
+  const Recording thinned = Changed(Recorded(), [](RecordedSignal& s) {
+    return s.path != "rig.torque" || KeepRows(s, [](Eigen::Index k) { return k % 50 == 0; });
+  });
+  const ReplayResult result = Replay(MakeWhole().builder, "rig.control", thinned);
+  EXPECT_TRUE(result.identical()) << result.text();
+  EXPECT_EQ(result.rows, static_cast<std::size_t>(kRows));  // `delayed` has them all
 }
 
 TEST(Replay, RunsPartsOfSeveralRates) {
@@ -497,6 +544,57 @@ TEST(Replay, FeedsAnObserverThroughTheModelItReads) {
   const ReplayResult other = Replay(make(60).builder, "observer", recorded);
   ASSERT_EQ(other.differences.size(), 7u);
   for (const SignalDifference& d : other.differences) EXPECT_EQ(d.first_time, 1e-3) << d.element;
+}
+
+TEST(Replay, RunsAControllerWithItsTasksFromMeasuredJoints) {
+  // Dynamics, objectives and accelerations are not in the log; the QP starts warm at every tick.
+  const RobotModel model = Gen3();
+  const auto make = [&](double stiffness) {
+    Whole whole;
+    DiagramBuilder& b = whole.builder;
+    const JointPosition start{0.1, 0.3, 0.2, -1.2, 0.3, 0.8, 0.1};
+    const std::string tool = std::string("tool_frame");
+    RobotDynamics at_start(model, {tool});
+    ComputeDynamics(model, start, JointVelocity::Zero(model.joints()), at_start);
+    Pose target = at_start.frame[0].pose;
+    target.position.x() += 0.02;
+    auto& arm = b.Add<SimulatedArm>(
+        "arm", {.model = model, .position = start, .engine = SimbodyPlant::Engine::Recursive});
+    auto& dynamics = b.Add<ModelDynamics>("dynamics", {.model = model, .frames = {tool}});
+    auto& pose = b.Add<FrameTask>("pose", {.model = model,
+                                           .frame = tool,
+                                           .target = target,
+                                           .stiffness = TaskVector::Constant(6, stiffness),
+                                           .damping = TaskVector::Constant(6, 40),
+                                           .weight = 1e4});
+    auto& posture = b.Add<PostureTask>("posture", {.model = model,
+                                                   .target = start,
+                                                   .stiffness = PerJoint::Zero(7),
+                                                   .damping = PerJoint::Constant(7, 5)});
+    auto& qp = b.Add<ComplianceQp>("qp", {.model = model, .period = 1ms});
+    auto& logger = b.Add<Logger>("logger", {.period = 1ms});
+    b.Connect(arm.measured_position, dynamics.position);
+    b.Connect(arm.measured_velocity, dynamics.velocity);
+    b.Connect(dynamics.dynamics, pose.dynamics);
+    b.Connect(dynamics.dynamics, posture.dynamics);
+    b.Connect(dynamics.dynamics, qp.dynamics);
+    b.Connect(pose.objective, qp.objectives);
+    b.Connect(posture.objective, qp.objectives);
+    b.Connect(qp.torque, arm.torque_command);
+    b.Connect(arm.measured_position, logger.in);
+    b.Connect(arm.measured_velocity, logger.in);
+    b.Connect(qp.torque, logger.in);
+    b.Connect(qp.report, logger.in);
+    whole.logger = &logger;
+    return whole;
+  };
+  const Recording recorded = Ran(make(400), 0.2);
+  const ReplayResult same = Replay(make(400).builder, "qp", recorded);
+  EXPECT_TRUE(same.identical()) << same.text();
+  EXPECT_THAT(same.compared, ElementsAre("qp.torque", "qp.report"));
+  EXPECT_THAT(same.along, ElementsAre("dynamics", "pose", "posture"));
+  EXPECT_EQ(same.rows, 201u);
+  EXPECT_FALSE(Replay(make(500).builder, "qp", recorded).identical());
 }
 
 }  // namespace
