@@ -1,7 +1,9 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -18,6 +20,8 @@ struct ValueInfo {
   std::string unit;
   std::string space;
 };
+
+struct Part;
 
 /// Blocks and wires, checked and put in order. It does not change: contexts hold what does, and
 /// threads may share it.
@@ -70,6 +74,14 @@ class DiagramBuilder {
 
   /// Flattens and checks. The builder is empty afterwards.
   Diagram Build();
+
+  /// Sees values at every tick as recorders see them: held outputs new, states before updates.
+  using Watch = std::function<void(double t, const AnyValues& values)>;
+
+  /// Builds the block or composite `path` by itself: see part.h. `known` are the paths of values
+  /// that will be given to it, or compared with what it computes; `watch` sees the latter in the
+  /// order of Part::computed. The builder is empty afterwards.
+  Part BuildPart(std::string_view path, const std::vector<std::string>& known, Watch watch = {});
 
  private:
   struct Root final : Composite {

@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "pliant/systems/composite.h"
@@ -144,7 +145,12 @@ std::unique_ptr<Plan> MakePlan(std::unique_ptr<Composite> root);
 struct Access {
   static const std::vector<Block::Declared>& Values(const Block& b) { return b.values_; }
   static const std::vector<Rule>& Rules(const Block& b) { return b.rules_; }
+  static std::vector<Block::Declared>& Values(Block& b) { return b.values_; }
   static const std::vector<std::unique_ptr<Block>>& Parts(const Composite& c) { return c.parts_; }
+  static std::vector<std::unique_ptr<Block>>& Parts(Composite& c) { return c.parts_; }
+  static void Keep(Composite& c, std::string name, std::unique_ptr<Block> part) {
+    c.Keep(std::move(name), std::move(part));
+  }
   static int Number(const Block& b) { return b.number_; }
   static const Composite* Parent(const Block& b) { return b.parent_; }
   static const Plan* PlanOf(const Value& v) { return v.plan_; }
