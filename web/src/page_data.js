@@ -1,6 +1,6 @@
 // The numbers of a run, as analysis/page_data.h packs them.
 
-/// Columns of a text by PageData: {rows, columns: [{values, step}]}, the first being the time.
+/// Columns of a text by PageData: {rows, columns: [{values, step, bits}]}, the first being the time.
 /// Values are Float64Array, NaN where there is none; each is within step / 2 of what was recorded.
 export async function decodePageData(text) {
   const view = new DataView((await inflate(fromBase64(text.trim()))).buffer);
@@ -15,7 +15,7 @@ export async function decodePageData(text) {
     const step = view.getFloat64(head + 16, true);
     if (bytes === 8) toTimes(codes);
     else toValues(codes, 2 ** (8 * bytes) - 1, view.getFloat64(head + 8, true), step);
-    columns.push({ values: codes, step });
+    columns.push({ values: codes, step, bits: 8 * bytes });
     body += bytes * rows;
   }
   return { rows, columns };
@@ -52,7 +52,8 @@ function toTimes(codes) {
   for (let i = 0; i < codes.length; ++i) codes[i] /= 1e9;
 }
 
+/// In halves: step · code may overflow where the value does not.
 function toValues(codes, none, offset, step) {
   for (let i = 0; i < codes.length; ++i)
-    codes[i] = codes[i] === none ? NaN : offset + step * codes[i];
+    codes[i] = codes[i] === none ? NaN : 2 * (offset / 2 + (step / 2) * codes[i]);
 }
