@@ -62,8 +62,11 @@ class Plot {
     this.values = new Map();
     for (const path of this.paths) {
       const columns = this.columns.filter((column) => column.path === path);
-      this.legend.append(make("span", { class: "path" }, path), unitText(columns[0].unit));
-      for (const column of columns) this.legend.append(this.#entry(column));
+      const title = make("div", { class: "title" }, make("span", { class: "path" }, path));
+      title.append(unitText(columns[0].unit));
+      const entries = make("div", { class: "entries" });
+      for (const column of columns) entries.append(this.#entry(column));
+      this.legend.append(title, entries);
     }
     this.showValues(this.plots.clock.time);
   }
@@ -210,6 +213,7 @@ class Plot {
       ctx.fillStyle = palette.grey;
       ctx.font = `${11 * devicePixelRatio}px system-ui, sans-serif`;
       ctx.textBaseline = "top";
+      ctx.textAlign = "left";
       const inset = 4 * devicePixelRatio;
       if (ctx.measureText(label).width + 2 * inset < right - left)
         ctx.fillText(label, left + inset, bbox.top + inset);

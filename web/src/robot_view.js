@@ -85,6 +85,7 @@ export class RobotView {
     const cells = 2 * Math.ceil((0.9 * size) / cell);
     this.ground = new GridHelper(cells * cell, cells, palette.grey, palette.grid);
     this.ground.rotation.x = Math.PI / 2;
+    Object.assign(this.ground.material, { transparent: true, opacity: 0.7 });
     this.axes = new AxesHelper(0.18 * size);
     this.axes.setColors(palette.vermillion, palette.green, palette.blue);
     this.axes.position.z = 0.002 * size;
@@ -227,7 +228,7 @@ export class RobotView {
   // ---- the camera ------------------------------------------------------------------------------
 
   resetCamera() {
-    const distance = (0.62 * this.size) / Math.tan((kFieldOfView * Math.PI) / 360);
+    const distance = (0.57 * this.size) / Math.tan((kFieldOfView * Math.PI) / 360);
     this.camera.near = 0.01 * this.size;
     this.camera.far = 60 * this.size;
     this.controls.target.copy(this.centre);
