@@ -30,13 +30,17 @@ function licences() {
   const packages = new Set(
     Object.keys(metafile.inputs)
       .map((path) => path.match(/node_modules\/((?:@[^/]+\/)?[^/]+)\//)?.[1])
-      .filter(Boolean));
+      .filter(Boolean),
+  );
   return [...packages].sort().map((name) => {
     const folder = join(root, "node_modules", name);
     const { version, license } = JSON.parse(readFileSync(join(folder, "package.json"), "utf8"));
     const text = readFileSync(join(folder, "LICENSE"), "utf8");
     const lines = text.replaceAll("\r", "").replaceAll("\t", "    ").split("\n");
-    const tidy = lines.map((line) => line.trimEnd()).join("\n").trim();
+    const tidy = lines
+      .map((line) => line.trimEnd())
+      .join("\n")
+      .trim();
     return `${name} ${version} (${license})\n\n${tidy}\n`;
   });
 }
@@ -45,7 +49,8 @@ mkdirSync(out, { recursive: true });
 const line = `\n${"-".repeat(80)}\n\n`;
 writeFileSync(
   join(out, "LICENSES.txt"),
-  `replay.js and replay.css hold code of these packages.\n${line}${licences().join(line)}`);
+  `replay.js and replay.css hold code of these packages.\n${line}${licences().join(line)}`,
+);
 for (const { path, text } of outputFiles) {
   const name = path.endsWith(".css") ? "replay.css" : "replay.js";
   // What would end the element of the page that holds it.

@@ -16,16 +16,27 @@ export function multiply(a, b) {
 export function pose(position = [0, 0, 0], rotation = [1, 0, 0, 0]) {
   const [w, x, y, z] = rotation;
   return [
-    1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y), 0,
-    2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x), 0,
-    2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y), 0,
-    ...position, 1,
+    1 - 2 * (y * y + z * z),
+    2 * (x * y + w * z),
+    2 * (x * z - w * y),
+    0,
+    2 * (x * y - w * z),
+    1 - 2 * (x * x + z * z),
+    2 * (y * z + w * x),
+    0,
+    2 * (x * z + w * y),
+    2 * (y * z - w * x),
+    1 - 2 * (x * x + y * y),
+    0,
+    ...position,
+    1,
   ];
 }
 
 export function transform(matrix, [x, y, z]) {
   return [0, 1, 2].map(
-    (row) => matrix[row] * x + matrix[4 + row] * y + matrix[8 + row] * z + matrix[12 + row]);
+    (row) => matrix[row] * x + matrix[4 + row] * y + matrix[8 + row] * z + matrix[12 + row],
+  );
 }
 
 function motion({ type, axis = [0, 0, 1] }, q) {

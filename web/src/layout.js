@@ -1,6 +1,6 @@
 // Which columns stand in which plot: a list of plots, each a list of names of columns.
 
-const kUnitsOfAPlot = 2;  // one axis on the left, one on the right
+const kUnitsOfAPlot = 2; // one axis on the left, one on the right
 const kFirstPlots = 3;
 
 /// The plots that the page asks for, as lists of paths, or the first paths of the run.

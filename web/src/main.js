@@ -23,8 +23,8 @@ class Replay {
     this.plots = new Plots({
       root: this.panels,
       clock: this.clock,
-      onClose: (names) => this.#setLayout(
-        this.layout.filter((plot) => !plot.some((name) => names.includes(name)))),
+      onClose: (names) =>
+        this.#setLayout(this.layout.filter((plot) => !plot.some((name) => names.includes(name)))),
       onZoom: (zoom) => (this.all.disabled = !zoom),
       onPoint: (text) => (this.pointer.textContent = text),
     });
@@ -39,49 +39,71 @@ class Replay {
 
   #build() {
     this.signals = make(
-      "button", {
-        type: "button", "aria-expanded": "false", "aria-controls": this.chooser.element.id,
+      "button",
+      {
+        type: "button",
+        "aria-expanded": "false",
+        "aria-controls": this.chooser.element.id,
         onclick: () => {
           this.chooser.element.hidden = !this.chooser.element.hidden;
           this.signals.setAttribute("aria-expanded", String(!this.chooser.element.hidden));
           if (!this.chooser.element.hidden) this.chooser.search.focus();
         },
       },
-      "Signals");
+      "Signals",
+    );
     this.all = make(
-      "button", { type: "button", disabled: true, onclick: () => this.plots.zoomTo(null) },
-      "Show all");
+      "button",
+      { type: "button", disabled: true, onclick: () => this.plots.zoomTo(null) },
+      "Show all",
+    );
     this.pointer = make("span", { class: "pointer", "aria-hidden": "true" });
     const tools = make("div", { class: "tools" }, this.signals, this.all, this.pointer);
     const left = make("div", { class: "left" }, tools, this.chooser.element, this.panels);
     const right = make("div", { class: "right" }, this.#makeView(), this.transport.element);
     this.root.append(
-      make("h2", {}, "Replay"), ...this.#makeTabs(),
-      make("div", { class: "stage", id: "replay-stage" }, right, left), this.note, makeHelp());
+      make("h2", {}, "Replay"),
+      ...this.#makeTabs(),
+      make("div", { class: "stage", id: "replay-stage" }, right, left),
+      this.note,
+      makeHelp(),
+    );
   }
 
   #makeTabs() {
     if (this.page.runs.length < 2) return [];
     this.tabs = this.page.runs.map((run, i) =>
       make(
-        "button", {
-          type: "button", role: "tab", "aria-controls": "replay-stage", onclick: () => this.run(i),
+        "button",
+        {
+          type: "button",
+          role: "tab",
+          "aria-controls": "replay-stage",
+          onclick: () => this.run(i),
         },
-        run.title));
-    return [make(
-      "div", {
-        class: "tabs", role: "tablist", "aria-label": "Run",
-        onkeydown: (event) => {
-          const step = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
-          if (!step) return;
-          const count = this.tabs.length;
-          const next = (this.tabs.indexOf(document.activeElement) + step + count) % count;
-          this.tabs[next].focus();
-          this.run(next);
-          event.preventDefault();
+        run.title,
+      ),
+    );
+    return [
+      make(
+        "div",
+        {
+          class: "tabs",
+          role: "tablist",
+          "aria-label": "Run",
+          onkeydown: (event) => {
+            const step = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
+            if (!step) return;
+            const count = this.tabs.length;
+            const next = (this.tabs.indexOf(document.activeElement) + step + count) % count;
+            this.tabs[next].focus();
+            this.run(next);
+            event.preventDefault();
+          },
         },
-      },
-      ...this.tabs)];
+        ...this.tabs,
+      ),
+    ];
   }
 
   #makeView() {
@@ -92,7 +114,8 @@ class Replay {
       return frame;
     }
     const canvas = make("canvas", {
-      tabindex: 0, role: "img",
+      tabindex: 0,
+      role: "img",
       "aria-label": "The robot in 3-D. Arrow keys turn the view, plus and minus zoom, 0 resets it.",
     });
     frame.append(canvas);
@@ -104,16 +127,24 @@ class Replay {
     }
     this.forces = make("div", { class: "forces" });
     const path = make(
-      "button", {
-        type: "button", "aria-pressed": "true", title: "The path of the last link",
+      "button",
+      {
+        type: "button",
+        "aria-pressed": "true",
+        title: "The path of the last link",
         onclick: () => {
           const shown = path.getAttribute("aria-pressed") !== "true";
           path.setAttribute("aria-pressed", String(shown));
           this.view.showTrace(shown);
         },
       },
-      "Path");
-    const reset = make("button", { type: "button", onclick: () => this.view.resetCamera() }, "Reset view");
+      "Path",
+    );
+    const reset = make(
+      "button",
+      { type: "button", onclick: () => this.view.resetCamera() },
+      "Reset view",
+    );
     frame.append(this.forces, make("div", { class: "view-tools" }, path, reset));
     new ResizeObserver(() => this.view?.resize()).observe(canvas);
     return frame;
@@ -124,7 +155,9 @@ class Replay {
     const reason = /webgl/i.test(error.message)
       ? "The 3-D view needs WebGL, which this browser does not offer here."
       : `The robot cannot be shown: ${error.message}.`;
-    frame.replaceChildren(make("p", { class: "quiet", role: "note" }, `${reason} The plots work without it.`));
+    frame.replaceChildren(
+      make("p", { class: "quiet", role: "note" }, `${reason} The plots work without it.`),
+    );
     frame.classList.add("without");
   }
 
@@ -183,15 +216,26 @@ class Replay {
     if (!this.view) return;
     this.view.setTime(this.clock.time);
     this.forces.replaceChildren(
-      ...this.view.forces(this.clock.time).map(({ name, size }) =>
-        make("div", {}, make("span", { class: "arrow", "aria-hidden": "true" }, "→"), `${name} ${size}`)));
+      ...this.view
+        .forces(this.clock.time)
+        .map(({ name, size }) =>
+          make(
+            "div",
+            {},
+            make("span", { class: "arrow", "aria-hidden": "true" }, "→"),
+            `${name} ${size}`,
+          ),
+        ),
+    );
   }
 
   /// Space plays and pauses, unless it means something where the focus is.
   #key(event) {
     if (event.key !== " " || event.ctrlKey || event.metaKey || event.altKey) return;
-    if (event.target.closest?.("input:not([type=range]), select, textarea, button, a, summary")) return;
-    if (!this.inSight || (event.target !== document.body && !this.root.contains(event.target))) return;
+    if (event.target.closest?.("input:not([type=range]), select, textarea, button, a, summary"))
+      return;
+    if (!this.inSight || (event.target !== document.body && !this.root.contains(event.target)))
+      return;
     event.preventDefault();
     this.clock.toggle();
   }
@@ -201,8 +245,10 @@ function noteOf(run) {
   const { rows, decimation } = run.description;
   const share = run.bits === 16 ? "65 534" : "16 777 214";
   const shown = decimation ? `${decimation[0].toUpperCase()}${decimation.slice(1)}` : "";
-  return `${rows ?? run.times.length} rows. ${shown}${shown && !shown.endsWith(".") ? "." : ""} ` +
-    `Values are rounded to 1/${share} of what their signal spans.`;
+  return (
+    `${rows ?? run.times.length} rows. ${shown}${shown && !shown.endsWith(".") ? "." : ""} ` +
+    `Values are rounded to 1/${share} of what their signal spans.`
+  );
 }
 
 function makeHelp() {
@@ -217,8 +263,15 @@ function makeHelp() {
     ["wheel in the 3-D view", "zooms, after a click in it"],
   ];
   return make(
-    "details", { class: "help" }, make("summary", {}, "Mouse and keys"),
-    make("dl", {}, ...keys.map(([key, act]) => make("div", {}, make("dt", {}, key), make("dd", {}, act)))));
+    "details",
+    { class: "help" },
+    make("summary", {}, "Mouse and keys"),
+    make(
+      "dl",
+      {},
+      ...keys.map(([key, act]) => make("div", {}, make("dt", {}, key), make("dd", {}, act))),
+    ),
+  );
 }
 
 // ---- start -------------------------------------------------------------------------------------

@@ -39,7 +39,7 @@ function decodeCodes(view, start, rows, bytes, order) {
   const modulus = bytes < 8 ? 2 ** (8 * bytes) : Infinity;
   for (let i = 0; i < rows; ++i) {
     let folded = 0;
-    for (let k = bytes; k-- > 0; ) folded = 256 * folded + view.getUint8(start + k * rows + i);
+    for (let k = bytes; k-- > 0;) folded = 256 * folded + view.getUint8(start + k * rows + i);
     codes[i] = folded % 2 ? -(folded + 1) / 2 : folded / 2;
   }
   for (let k = 0; k < order; ++k)

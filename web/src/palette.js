@@ -24,7 +24,8 @@ export function readPalette() {
     Object.entries(kFallback).map(([name, colour]) => [
       name,
       style.getPropertyValue(`--${name}`).trim() || colour,
-    ]));
+    ]),
+  );
 }
 
 /// The n-th element of a path has the n-th colour in every plot; what comes after the last colour,

@@ -12,7 +12,7 @@ const kAxisWidth = 62;
 const kTimeAxisHeight = 44;
 const kHeight = 172;
 const kLineWidth = 1.4;
-const kClickReach = 4;  // pixels: what moves further is a drag
+const kClickReach = 4; // pixels: what moves further is a drag
 const kClose = "M4 4l8 8M12 4l-8 8";
 
 /// A plot of `names`: its legend, which shows the values at the cursor or at the time, and below it
@@ -29,25 +29,38 @@ class Plot {
     this.legend = make("div", { class: "legend" });
     this.canvas = make("div", { class: "curves" });
     this.now = make("div", { class: "now" });
-    const units = this.units.filter(Boolean).map((unit) => `in ${unit}`).join(" and ");
+    const units = this.units
+      .filter(Boolean)
+      .map((unit) => `in ${unit}`)
+      .join(" and ");
     this.element = make(
-      "figure", {
-        class: "plot", tabindex: 0, role: "group",
-        "aria-label": `Plot of ${this.paths.join(" and ")} ${units} over time; arrow keys move the ` +
+      "figure",
+      {
+        class: "plot",
+        tabindex: 0,
+        role: "group",
+        "aria-label":
+          `Plot of ${this.paths.join(" and ")} ${units} over time; arrow keys move the ` +
           "time, plus and minus zoom, 0 shows all",
         onkeydown: (event) => plots.key(event, this),
       },
-      make("div", { class: "head" }, this.legend, this.#closeButton()), this.canvas);
+      make("div", { class: "head" }, this.legend, this.#closeButton()),
+      this.canvas,
+    );
   }
 
   #closeButton() {
     return make(
-      "button", {
-        type: "button", class: "plain close", title: "Take this plot away",
+      "button",
+      {
+        type: "button",
+        class: "plain close",
+        title: "Take this plot away",
         "aria-label": `Take away the plot of ${this.paths.join(" and ")}`,
         onclick: () => this.plots.onClose(this.columns.map((column) => column.name)),
       },
-      icon(kClose));
+      icon(kClose),
+    );
   }
 
   // ---- legend ----------------------------------------------------------------------------------
@@ -85,8 +98,12 @@ class Plot {
     this.values.set(column, value);
     const shown = () => !this.hidden.has(column.name);
     const button = make(
-      "button", {
-        type: "button", class: "entry", "aria-pressed": String(shown()), title: column.name,
+      "button",
+      {
+        type: "button",
+        class: "entry",
+        "aria-pressed": String(shown()),
+        title: column.name,
         onclick: () => {
           if (shown()) this.hidden.add(column.name);
           else this.hidden.delete(column.name);
@@ -94,7 +111,10 @@ class Plot {
           this.chart.setSeries(this.columns.indexOf(column) + 1, { show: shown() });
         },
       },
-      sample, make("span", { class: "element" }, column.element || "value"), value);
+      sample,
+      make("span", { class: "element" }, column.element || "value"),
+      value,
+    );
     return button;
   }
 
@@ -143,7 +163,10 @@ class Plot {
       height: this.height,
       padding: [8, anyRight && this.units.length < 2 ? kAxisWidth : 10, this.last ? 0 : 8, 0],
       legend: { show: false },
-      scales: { x: { time: false }, ...Object.fromEntries(this.units.map((_, i) => [`unit${i}`, {}])) },
+      scales: {
+        x: { time: false },
+        ...Object.fromEntries(this.units.map((_, i) => [`unit${i}`, {}])),
+      },
       series: [
         {},
         ...this.columns.map((column) => {
@@ -264,6 +287,7 @@ export class Plots {
     for (const plot of this.plots) plot.chart?.destroy();
     this.run = run;
     this.palette = palette;
+    this.hidden = new Set([...this.hidden].filter((name) => layout.flat().includes(name)));
     this.anyRight = layout.some((names) => unitsOf(run, names).length > 1);
     this.plots = layout.map((names, i) => new Plot(this, names, i === layout.length - 1));
     this.root.replaceChildren(...this.plots.map((plot) => plot.element));
@@ -271,7 +295,7 @@ export class Plots {
       this.root.append(make("p", { class: "quiet" }, "No signal is chosen. “Signals” lists them."));
     this.width = Math.floor(this.root.clientWidth);
     const zoom = this.zoom;
-    this.sharing = true;  // a chart tells of its first scale too
+    this.sharing = true; // a chart tells of its first scale too
     for (const plot of this.plots) plot.make(this.width);
     this.sharing = false;
     this.zoomTo(zoom);
@@ -292,7 +316,8 @@ export class Plots {
   }
 
   pointed(t) {
-    if (this.onPoint) this.onPoint(t === null ? "" : `${timeText(t, this.run.to - this.run.from)} s`);
+    if (this.onPoint)
+      this.onPoint(t === null ? "" : `${timeText(t, this.run.to - this.run.from)} s`);
   }
 
   // ---- zoom ------------------------------------------------------------------------------------
@@ -357,7 +382,9 @@ export class Plots {
 
 /// uPlot leaves a gap at null, not at NaN.
 function withGaps(values) {
-  return values.some(Number.isNaN) ? Array.from(values, (v) => (Number.isNaN(v) ? null : v)) : values;
+  return values.some(Number.isNaN)
+    ? Array.from(values, (v) => (Number.isNaN(v) ? null : v))
+    : values;
 }
 
 function unitText(unit) {
@@ -368,9 +395,12 @@ function unitText(unit) {
 function tickTexts(ticks) {
   const greatest = Math.max(...ticks.map(Math.abs));
   if (greatest >= 1e6 || (greatest > 0 && greatest < 1e-4))
-    return ticks.map((v) => (v === 0 ? "0" : v.toExponential(1).replace(/e\+?/, "e").replace(/-/g, "−")));
+    return ticks.map((v) =>
+      v === 0 ? "0" : v.toExponential(1).replace(/e\+?/, "e").replace(/-/g, "−"),
+    );
   const step = ticks.length > 1 ? Math.abs(ticks[1] - ticks[0]) : 1;
   let digits = 0;
-  while (digits < 9 && Math.abs(step * 10 ** digits - Math.round(step * 10 ** digits)) > 1e-6) ++digits;
+  while (digits < 9 && Math.abs(step * 10 ** digits - Math.round(step * 10 ** digits)) > 1e-6)
+    ++digits;
   return ticks.map((v) => v.toFixed(digits).replace("-", "−"));
 }

@@ -1,10 +1,31 @@
 // The robot in 3-D: turned with the mouse, drawn only when something has changed.
 
 import {
-  AmbientLight, AxesHelper, BoxGeometry, BufferAttribute, BufferGeometry, CapsuleGeometry, Color,
-  ConeGeometry, CylinderGeometry, DirectionalLight, GridHelper, Group, HemisphereLight, Line,
-  LineBasicMaterial, Mesh, MeshStandardMaterial, PerspectiveCamera, Quaternion, Scene,
-  SphereGeometry, Spherical, SRGBColorSpace, Vector3, WebGLRenderer,
+  AmbientLight,
+  AxesHelper,
+  BoxGeometry,
+  BufferAttribute,
+  BufferGeometry,
+  CapsuleGeometry,
+  Color,
+  ConeGeometry,
+  CylinderGeometry,
+  DirectionalLight,
+  GridHelper,
+  Group,
+  HemisphereLight,
+  Line,
+  LineBasicMaterial,
+  Mesh,
+  MeshStandardMaterial,
+  PerspectiveCamera,
+  Quaternion,
+  Scene,
+  SphereGeometry,
+  Spherical,
+  SRGBColorSpace,
+  Vector3,
+  WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 
@@ -13,7 +34,7 @@ import { Kinematics, transform } from "./kinematics.js";
 const kUp = new Vector3(0, 0, 1);
 const kTraceRows = 1500;
 const kDirection = new Vector3(1, -1.15, 0.62).normalize();
-const kFieldOfView = 32;  // degrees, upwards
+const kFieldOfView = 32; // degrees, upwards
 
 export class RobotView {
   /// Throws where there is no WebGL.
@@ -25,7 +46,7 @@ export class RobotView {
     this.camera = new PerspectiveCamera(kFieldOfView, 1, 0.01, 100);
     this.camera.up.copy(kUp);
     this.controls = new OrbitControls(this.camera, canvas);
-    this.controls.enableZoom = false;  // until the view is clicked: the wheel belongs to the page
+    this.controls.enableZoom = false; // until the view is clicked: the wheel belongs to the page
     this.controls.addEventListener("change", () => this.#draw());
     this.scene = new Scene();
     this.scene.add(new HemisphereLight(0xffffff, 0x8a8f98, 1.6), new AmbientLight(0xffffff, 0.25));
@@ -106,7 +127,8 @@ export class RobotView {
       throw new Error(`the run has no column “${names[this.angles.indexOf(undefined)]}”`);
     if (names.length !== this.kinematics.movable.length)
       throw new Error(
-        `${names.length} columns pose a robot of ${this.kinematics.movable.length} joints`);
+        `${names.length} columns pose a robot of ${this.kinematics.movable.length} joints`,
+      );
     const first = this.size === undefined;
     this.#measure();
     this.#trace();
@@ -149,7 +171,10 @@ export class RobotView {
       points.set(matrix.slice(12, 15), 3 * k);
     }
     const line = (opacity) => {
-      const geometry = new BufferGeometry().setAttribute("position", new BufferAttribute(points, 3));
+      const geometry = new BufferGeometry().setAttribute(
+        "position",
+        new BufferAttribute(points, 3),
+      );
       const material = new LineBasicMaterial({ transparent: true, opacity });
       const made = new Line(geometry, material);
       made.frustumCulled = false;
@@ -183,7 +208,8 @@ export class RobotView {
       return { link, point: point ?? [0, 0, 0], columns: found, material, shaft, head, group };
     });
     const squares = this.arrows.map(({ columns }) =>
-      columns.reduce((sum, column) => sum + this.run.greatest(column) ** 2, 0));
+      columns.reduce((sum, column) => sum + this.run.greatest(column) ** 2, 0),
+    );
     this.greatestForce = Math.sqrt(Math.max(...squares, 0));
   }
 
@@ -219,10 +245,12 @@ export class RobotView {
 
   /// The forces that act: [{name, size}], as text.
   forces(t) {
-    return this.arrows.filter((arrow) => arrow.group.visible).map(({ columns }) => {
-      const size = Math.hypot(...columns.map((column) => this.run.valueAt(column, t) || 0));
-      return { name: columns[0].path, size: `${size.toFixed(1)} N` };
-    });
+    return this.arrows
+      .filter((arrow) => arrow.group.visible)
+      .map(({ columns }) => {
+        const size = Math.hypot(...columns.map((column) => this.run.valueAt(column, t) || 0));
+        return { name: columns[0].path, size: `${size.toFixed(1)} N` };
+      });
   }
 
   // ---- the camera ------------------------------------------------------------------------------
@@ -331,7 +359,9 @@ function geometryOf({ shape, radius, length, size }) {
     case "box":
       return new BoxGeometry(...size);
     default:
-      throw new Error(`a link has the shape “${shape}”: cylinder, capsule, sphere and box are drawn`);
+      throw new Error(
+        `a link has the shape “${shape}”: cylinder, capsule, sphere and box are drawn`,
+      );
   }
 }
 

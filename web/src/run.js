@@ -9,7 +9,8 @@ export class Run {
     const { columns } = await decodePageData(source.textContent);
     if (columns.length !== description.columns.length)
       throw new Error(
-        `${columns.length} columns of data for ${description.columns.length} names of columns`);
+        `${columns.length} columns of data for ${description.columns.length} names of columns`,
+      );
     return new Run(description, columns);
   }
 
@@ -24,7 +25,7 @@ export class Run {
       ...columns[i + 1],
     }));
     this.byName = new Map(this.columns.map((column) => [column.name, column]));
-    this.bits = this.#bits();
+    this.bits = Math.min(...this.columns.map((column) => column.bits), 24);
   }
 
   get title() {
@@ -41,6 +42,10 @@ export class Run {
 
   /// Paths in the order of the columns, each with its columns.
   paths() {
+    return (this.byPath ??= this.#grouped());
+  }
+
+  #grouped() {
     const paths = new Map();
     for (const column of this.columns) {
       if (!paths.has(column.path)) paths.set(column.path, []);
@@ -73,7 +78,7 @@ export class Run {
     const here = column.values[row] ?? 0;
     const next = column.values[Math.min(row + 1, column.values.length - 1)] ?? here;
     const span = this.times[row + 1] - this.times[row];
-    if (!(span > 0) || Math.abs(next - here) > Math.PI) return here;
+    if (!(span > 0) || !(Math.abs(next - here) <= Math.PI)) return here;
     return here + (next - here) * Math.min(Math.max((t - this.times[row]) / span, 0), 1);
   }
 
@@ -81,9 +86,5 @@ export class Run {
     let greatest = 0;
     for (const v of column.values) if (Math.abs(v) > greatest) greatest = Math.abs(v);
     return greatest;
-  }
-
-  #bits() {
-    return Math.min(...this.columns.map((column) => column.bits), 24);
   }
 }

@@ -13,20 +13,34 @@ export class Transport {
     this.clock = clock;
     this.button = make("button", { type: "button", class: "play", onclick: () => clock.toggle() });
     this.slider = make("input", {
-      type: "range", min: 0, max: kSteps, step: 1, "aria-label": "Time",
-      oninput: () => clock.seek(
-        clock.from + (this.slider.value / kSteps) * (clock.to - clock.from)),
+      type: "range",
+      min: 0,
+      max: kSteps,
+      step: 1,
+      "aria-label": "Time",
+      oninput: () =>
+        clock.seek(clock.from + (this.slider.value / kSteps) * (clock.to - clock.from)),
     });
     this.time = make("output", { class: "time" });
     this.speed = make(
-      "select", {
-        "aria-label": "Speed", title: "Speed",
+      "select",
+      {
+        "aria-label": "Speed",
+        title: "Speed",
         onchange: () => clock.setSpeed(Number(this.speed.value)),
       },
-      ...kSpeeds.map((speed) => make("option", { value: speed, selected: speed === 1 }, `${speed}×`)));
+      ...kSpeeds.map((speed) =>
+        make("option", { value: speed, selected: speed === 1 }, `${speed}×`),
+      ),
+    );
     this.element = make(
-      "div", { class: "transport", role: "group", "aria-label": "Replay" },
-      this.button, this.slider, this.time, this.speed);
+      "div",
+      { class: "transport", role: "group", "aria-label": "Replay" },
+      this.button,
+      this.slider,
+      this.time,
+      this.speed,
+    );
     this.show();
   }
 

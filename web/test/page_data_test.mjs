@@ -39,12 +39,17 @@ for (const bits of [16, 24]) {
       assert.equal(values.length, expected.length);
       const whole = expected.filter(Number.isFinite).every(Number.isInteger);
       // Half a step, and the rounding of offset + step · code.
-      const round = 4 * Number.EPSILON * Math.max(...expected.filter(Number.isFinite).map(Math.abs), 0);
+      const round =
+        4 * Number.EPSILON * Math.max(...expected.filter(Number.isFinite).map(Math.abs), 0);
       const tolerance = c === 0 ? 0.5e-9 : whole && step === 1 ? 0 : step / 2 + round;
       assert.ok(step === 1 || c === 0 || step / 2 <= (rangeOf(expected) / (2 ** bits - 2)) * 1.001);
       expected.forEach((value, i) => {
         if (!Number.isFinite(value)) assert.ok(Number.isNaN(values[i]), where(c, i));
-        else assert.ok(Math.abs(values[i] - value) <= tolerance, `${where(c, i)}: ${value} ${values[i]}`);
+        else
+          assert.ok(
+            Math.abs(values[i] - value) <= tolerance,
+            `${where(c, i)}: ${value} ${values[i]}`,
+          );
       });
     });
   }

@@ -19,7 +19,12 @@ const address = pathToFileURL(file).href;
 
 const browser = await chromium.launch({
   executablePath,
-  args: ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
+  args: [
+    "--no-sandbox",
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+  ],
 });
 const kWide = { width: 1280, height: 800 };
 const kNarrow = { width: 360, height: 700 };
@@ -47,7 +52,9 @@ async function open({ prepare, url = address, ...options } = {}) {
 const ready = (page) => page.evaluate(() => window.pliant.ready);
 const time = (page) => page.evaluate(() => window.pliant.time());
 const drawn = (page) =>
-  page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+  page.evaluate(
+    () => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))),
+  );
 const plots = (page) => page.locator("#replay .plot");
 const curves = (page, i) => plots(page).nth(i).locator(".u-over");
 const showAll = (page) => page.getByRole("button", { name: "Show all" });
@@ -57,7 +64,9 @@ const reader = await (await browser.newContext()).newPage();
 /// The colours of a picture, each with its number of pixels.
 function coloursOf(picture) {
   return reader.evaluate(async (base64) => {
-    const bitmap = await createImageBitmap(await (await fetch(`data:image/png;base64,${base64}`)).blob());
+    const bitmap = await createImageBitmap(
+      await (await fetch(`data:image/png;base64,${base64}`)).blob(),
+    );
     const context = new OffscreenCanvas(bitmap.width, bitmap.height).getContext("2d");
     context.drawImage(bitmap, 0, 0);
     const { data } = context.getImageData(0, 0, bitmap.width, bitmap.height);
@@ -202,7 +211,7 @@ await test("a signal is found and plotted, moved and taken away", async () => {
   await page.keyboard.type("status");
   await page.getByRole("checkbox", { name: "qp.status" }).check();
   assert.equal(await plots(page).count(), 4);
-  await page.getByLabel("Plot of qp.status").selectOption("0");
+  await page.getByLabel("Plot of qp.status", { exact: true }).selectOption("0");
   assert.equal(await plots(page).count(), 3);
   assert.match(await plots(page).first().locator(".legend").innerText(), /qp\.status/);
   await page.getByRole("checkbox", { name: "qp.status" }).uncheck();
@@ -250,8 +259,10 @@ await test("another run has its own length, robot and plots", async () => {
   const before = await view(page);
   await page.getByRole("tab", { name: /compliant/ }).click();
   await page.getByText("4001 rows").waitFor();
-  assert.equal(await page.getByRole("tab", { selected: true }).innerText(),
-    "compliant in the null space, Γ = 0.8 I");
+  assert.equal(
+    await page.getByRole("tab", { selected: true }).innerText(),
+    "compliant in the null space, Γ = 0.8 I",
+  );
   assert.equal(await time(page), 4);
   await page.evaluate(() => window.pliant.seek(1.2));
   assert.ok(!before.equals(await view(page)));
@@ -279,9 +290,13 @@ await test("a narrow window shows all without scrolling sideways", async () => {
   await drawn(page);
   await page.getByRole("button", { name: "Signals" }).click();
   await page.waitForFunction(() => document.documentElement.scrollWidth <= innerWidth);
-  const widths = await page.locator("#replay .plot").evaluateAll(
-    (all) => all.map((plot) => plot.getBoundingClientRect().right));
-  assert.ok(widths.every((right) => right <= kNarrow.width), `${widths}`);
+  const widths = await page
+    .locator("#replay .plot")
+    .evaluateAll((all) => all.map((plot) => plot.getBoundingClientRect().right));
+  assert.ok(
+    widths.every((right) => right <= kNarrow.width),
+    `${widths}`,
+  );
   await page.screenshot({ path: join(folder, "narrow.png"), fullPage: true });
 });
 
@@ -308,7 +323,9 @@ await test("without WebGL the plots work, and a message says why there is no rob
     },
   });
   await ready(page);
-  await page.getByText("The 3-D view needs WebGL, which this browser does not offer here.").waitFor();
+  await page
+    .getByText("The 3-D view needs WebGL, which this browser does not offer here.")
+    .waitFor();
   near(await clicked(page, 0, 0.5), 3, 6);
   await close();
 });
@@ -324,8 +341,10 @@ await test("a page without the data of its run says so", async () => {
   const broken = join(folder, "broken.html");
   writeFileSync(broken, samplePage(dist).replace('id="data-0"', 'id="elsewhere"'));
   const { page, close } = await open({ url: pathToFileURL(broken).href });
-  assert.equal(await page.getByRole("alert").innerText(),
-    "The replay cannot be shown: the page has no element “data-0”.");
+  assert.equal(
+    await page.getByRole("alert").innerText(),
+    "The replay cannot be shown: the page has no element “data-0”.",
+  );
   await close();
 });
 

@@ -9,7 +9,8 @@ import { numberText, timeText } from "../src/number.js";
 
 function near(found, expected, tolerance) {
   found.forEach((value, i) =>
-    assert.ok(Math.abs(value - expected[i]) <= tolerance, `${found} is not ${expected}`));
+    assert.ok(Math.abs(value - expected[i]) <= tolerance, `${found} is not ${expected}`),
+  );
 }
 
 const kRoundOff = 1e-14;
@@ -17,17 +18,30 @@ const kRoundOff = 1e-14;
 function planar(lengths) {
   const links = ["base", ...lengths.map((_, i) => `link_${i + 1}`)].map((name) => ({ name }));
   const joints = lengths.map((_, i) => ({
-    name: `joint_${i + 1}`, parent: links[i].name, child: links[i + 1].name, type: "revolute",
-    axis: [0, 0, 1], position: [i ? lengths[i - 1] : 0, 0, 0], rotation: [1, 0, 0, 0],
+    name: `joint_${i + 1}`,
+    parent: links[i].name,
+    child: links[i + 1].name,
+    type: "revolute",
+    axis: [0, 0, 1],
+    position: [i ? lengths[i - 1] : 0, 0, 0],
+    rotation: [1, 0, 0, 0],
   }));
   return { links, joints };
 }
 
 test("a planar arm reaches where its closed form says", () => {
   const arm = new Kinematics(planar([0.4, 0.3]));
-  for (const [a, b] of [[0.3, -1.1], [2.5, 0.7], [-3, 3]]) {
+  for (const [a, b] of [
+    [0.3, -1.1],
+    [2.5, 0.7],
+    [-3, 3],
+  ]) {
     const tip = transform(arm.poses([a, b]).get("link_2"), [0.3, 0, 0]);
-    const expected = [0.4 * Math.cos(a) + 0.3 * Math.cos(a + b), 0.4 * Math.sin(a) + 0.3 * Math.sin(a + b), 0];
+    const expected = [
+      0.4 * Math.cos(a) + 0.3 * Math.cos(a + b),
+      0.4 * Math.sin(a) + 0.3 * Math.sin(a + b),
+      0,
+    ];
     near(tip, expected, kRoundOff);
   }
 });
@@ -40,11 +54,20 @@ test("the order of the joints in the list does not matter for the poses", () => 
 });
 
 test("a prismatic joint moves along its axis in the frame of its origin", () => {
-  const quarter = [Math.SQRT1_2, 0, 0, Math.SQRT1_2];  // 90° about z
+  const quarter = [Math.SQRT1_2, 0, 0, Math.SQRT1_2]; // 90° about z
   const slide = new Kinematics({
     links: [{ name: "a" }, { name: "b" }],
-    joints: [{ name: "j", parent: "a", child: "b", type: "prismatic", axis: [2, 0, 0],
-      position: [1, 0, 0], rotation: quarter }],
+    joints: [
+      {
+        name: "j",
+        parent: "a",
+        child: "b",
+        type: "prismatic",
+        axis: [2, 0, 0],
+        position: [1, 0, 0],
+        rotation: quarter,
+      },
+    ],
   });
   near(transform(slide.poses([0.5]).get("b"), [0, 0, 0]), [1, 0.5, 0], kRoundOff);
 });
@@ -59,10 +82,14 @@ test("a fixed joint takes no angle", () => {
 
 test("a rotation of a pose has orthonormal columns", () => {
   const length = Math.hypot(0.3, -0.5, 0.2, 0.9);
-  const turned = pose([1, 2, 3], [0.3, -0.5, 0.2, 0.9].map((v) => v / length));
+  const turned = pose(
+    [1, 2, 3],
+    [0.3, -0.5, 0.2, 0.9].map((v) => v / length),
+  );
   const transposed = pose();
   for (let row = 0; row < 3; ++row)
-    for (let column = 0; column < 3; ++column) transposed[4 * row + column] = turned[4 * column + row];
+    for (let column = 0; column < 3; ++column)
+      transposed[4 * row + column] = turned[4 * column + row];
   near(multiply(transposed, turned).slice(0, 11), pose().slice(0, 11), kRoundOff);
 });
 
@@ -76,8 +103,9 @@ function runOf(units) {
   const columns = Object.entries(units).map(([name, unit]) => ({ name, path: name[0], unit }));
   return {
     byName: new Map(columns.map((column) => [column.name, column])),
-    paths: () => Map.groupBy?.(columns, (c) => c.path) ?? columns.reduce(
-      (paths, c) => paths.set(c.path, [...(paths.get(c.path) ?? []), c]), new Map()),
+    paths: () =>
+      Map.groupBy?.(columns, (c) => c.path) ??
+      columns.reduce((paths, c) => paths.set(c.path, [...(paths.get(c.path) ?? []), c]), new Map()),
   };
 }
 
@@ -106,7 +134,14 @@ test("a plot takes columns of two units, not of three", () => {
 });
 
 test("numbers have four digits, and an exponent only where it is needed", () => {
-  const texts = { 0: 0, 17: 17, "−2.500": -2.5, "0.001234": 0.00123449, "1.23e−5": 1.234e-5, "1.20e7": 12e6 + 0.5 };
+  const texts = {
+    0: 0,
+    17: 17,
+    "−2.500": -2.5,
+    0.001234: 0.00123449,
+    "1.23e−5": 1.234e-5,
+    "1.20e7": 12e6 + 0.5,
+  };
   for (const [text, value] of Object.entries(texts)) assert.equal(numberText(value), text);
   assert.equal(numberText(NaN), "–");
   assert.equal(timeText(1.23456, 6), "1.235");

@@ -20,7 +20,8 @@ assert.deepEqual(readdirSync(made).sort(), names);
 for (const name of names)
   assert.ok(
     readFileSync(join(dist, name)).equals(readFileSync(join(made, name))),
-    `web/dist/${name} is not what its sources make: run “npm ci && npm run build” in web/`);
+    `web/dist/${name} is not what its sources make: run “npm ci && npm run build” in web/`,
+  );
 
 const licences = readFileSync(join(dist, "LICENSES.txt"), "utf8");
 const { dependencies } = JSON.parse(readFileSync(join(root, "package.json"), "utf8"));
@@ -29,5 +30,8 @@ for (const [name, version] of Object.entries(dependencies)) {
   assert.ok(licences.includes(`${name} ${version} (`), `no licence of ${name} ${version}`);
 }
 assert.doesNotMatch(
-  readFileSync(join(root, "package-lock.json"), "utf8"), /"resolved"/, "the lock names a registry");
+  readFileSync(join(root, "package-lock.json"), "utf8"),
+  /"resolved"/,
+  "the lock names a registry",
+);
 console.log(`${names.join(", ")}: as built`);

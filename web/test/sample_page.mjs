@@ -48,15 +48,24 @@ function runOf(title, data, seconds, stiffness) {
   const give = (t, j) => (push(t) * Math.sin(1 + j)) / stiffness;
   const swing = (t, j) => 0.25 * Math.sin(1.7 * t + 0.9 * j) * Math.exp(-0.15 * t);
   joints.forEach((joint, j) =>
-    add("arm.measured_position", joint, "rad", (t) => rest[j] + swing(t, j) + give(t, j)));
+    add("arm.measured_position", joint, "rad", (t) => rest[j] + swing(t, j) + give(t, j)),
+  );
   joints.forEach((joint, j) =>
-    add("arm.measured_velocity", joint, "rad/s",
-      (t) => 0.42 * Math.cos(1.7 * t + 0.9 * j) * Math.exp(-0.15 * t) + 0.01 * random()));
+    add(
+      "arm.measured_velocity",
+      joint,
+      "rad/s",
+      (t) => 0.42 * Math.cos(1.7 * t + 0.9 * j) * Math.exp(-0.15 * t) + 0.01 * random(),
+    ),
+  );
   joints.forEach((joint, j) =>
-    add("qp.torque", joint, "N·m", (t) => 20 * Math.cos(j) + 4 * swing(t, j) + 0.4 * random()));
+    add("qp.torque", joint, "N·m", (t) => 20 * Math.cos(j) + 4 * swing(t, j) + 0.4 * random()),
+  );
   joints.forEach((joint, j) =>
-    add("momentum.external_torque", joint, "N·m",
-      (t) => (t < 0.05 ? NaN : push(t) * 0.2 * Math.cos(j) + 0.3 * random())));
+    add("momentum.external_torque", joint, "N·m", (t) =>
+      t < 0.05 ? NaN : push(t) * 0.2 * Math.cos(j) + 0.3 * random(),
+    ),
+  );
   for (const axis of ["x", "y", "z"])
     add("push_1.force.force", axis, "N", (t) => push(t) * { x: -0.4, y: 0.9, z: 0.1 }[axis]);
   for (const axis of ["x", "y", "z"])
@@ -65,12 +74,19 @@ function runOf(title, data, seconds, stiffness) {
   add("qp.iterations", "", "", (t) => Math.floor(3 + 2 * random()));
   return {
     about: {
-      title, data, rows: times.length, decimation: "every value is shown", columns,
+      title,
+      data,
+      rows: times.length,
+      decimation: "every value is shown",
+      columns,
       joints: joints.map((joint) => `arm.measured_position[${joint}]`),
-      forces: [{
-        link: "forearm_link", point: [0, 0, 0.1],
-        columns: ["x", "y", "z"].map((axis) => `push_1.force.force[${axis}]`),
-      }],
+      forces: [
+        {
+          link: "forearm_link",
+          point: [0, 0, 0.1],
+          columns: ["x", "y", "z"].map((axis) => `push_1.force.force[${axis}]`),
+        },
+      ],
       bands: [{ from: 0.5, to: 2, label: "push_1" }],
     },
     text: encodePageData(numbers),
@@ -80,28 +96,59 @@ function runOf(title, data, seconds, stiffness) {
 const kHalf = Math.SQRT1_2;
 
 function robot() {
-  const names = ["base_link", "shoulder_link", "upper_link", "elbow_link", "forearm_link",
-    "wrist_link", "hand_link", "tool_link"];
+  const names = [
+    "base_link",
+    "shoulder_link",
+    "upper_link",
+    "elbow_link",
+    "forearm_link",
+    "wrist_link",
+    "hand_link",
+    "tool_link",
+  ];
   const lengths = [0.16, 0.13, 0.21, 0.21, 0.21, 0.12, 0.11, 0.12];
   const light = [0.86, 0.87, 0.88];
   const dark = [0.32, 0.34, 0.37];
   const links = names.map((name, i) => ({
     name,
     visuals: [
-      { shape: "cylinder", radius: 0.047 - 0.002 * i, length: lengths[i],
-        position: [0, 0, lengths[i] / 2], rotation: [1, 0, 0, 0], color: light },
+      {
+        shape: "cylinder",
+        radius: 0.047 - 0.002 * i,
+        length: lengths[i],
+        position: [0, 0, lengths[i] / 2],
+        rotation: [1, 0, 0, 0],
+        color: light,
+      },
       { shape: "sphere", radius: 0.05 - 0.002 * i, position: [0, 0, lengths[i]], color: dark },
     ],
   }));
-  links[0].visuals.push({ shape: "box", size: [0.2, 0.2, 0.02], position: [0, 0, 0.01], color: dark });
+  links[0].visuals.push({
+    shape: "box",
+    size: [0.2, 0.2, 0.02],
+    position: [0, 0, 0.01],
+    color: dark,
+  });
   links[7].visuals = [
-    { shape: "capsule", radius: 0.025, length: 0.06, position: [0, 0, 0.05], color: light }];
+    { shape: "capsule", radius: 0.025, length: 0.06, position: [0, 0, 0.05], color: light },
+  ];
   const joints = names.slice(1).map((child, i) => ({
-    name: `joint_${i + 1}`, parent: names[i], child, type: i % 2 ? "revolute" : "continuous",
-    axis: i % 2 ? [0, 1, 0] : [0, 0, 1], position: [0, 0, lengths[i]], rotation: [1, 0, 0, 0],
+    name: `joint_${i + 1}`,
+    parent: names[i],
+    child,
+    type: i % 2 ? "revolute" : "continuous",
+    axis: i % 2 ? [0, 1, 0] : [0, 0, 1],
+    position: [0, 0, lengths[i]],
+    rotation: [1, 0, 0, 0],
   }));
-  joints.push({ name: "flange", parent: "hand_link", child: "flange_link", type: "fixed",
-    position: [0, 0, 0.05], rotation: [kHalf, 0, kHalf, 0] });
+  joints.push({
+    name: "flange",
+    parent: "hand_link",
+    child: "flange_link",
+    type: "fixed",
+    position: [0, 0, 0.05],
+    rotation: [kHalf, 0, kHalf, 0],
+  });
   links.push({ name: "flange_link", visuals: [] });
   return { links, joints: [joints.pop(), ...joints] };
 }
