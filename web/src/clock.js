@@ -1,0 +1,55 @@
+// The time of the replay.
+
+/// Calls `changed` whenever time, playing or speed change.
+export class Clock {
+  constructor(changed) {
+    this.changed = changed;
+    this.from = this.to = this.time = 0;
+    this.speed = 1;
+    this.playing = false;
+  }
+
+  setSpan(from, to) {
+    this.from = from;
+    this.to = to;
+    this.seek(this.time);
+  }
+
+  seek(time) {
+    this.time = Math.min(Math.max(Number.isFinite(time) ? time : this.from, this.from), this.to);
+    this.changed();
+  }
+
+  setSpeed(speed) {
+    this.speed = speed;
+    this.changed();
+  }
+
+  toggle() {
+    if (this.playing) this.pause();
+    else this.play();
+  }
+
+  play() {
+    if (this.playing || !(this.to > this.from)) return;
+    if (this.time >= this.to) this.time = this.from;
+    this.playing = true;
+    let last = performance.now();
+    const frame = (now) => {
+      if (!this.playing) return;
+      const passed = Math.max(now - last, 0) / 1000;
+      last = now;
+      this.time = Math.min(this.time + passed * this.speed, this.to);
+      if (this.time >= this.to) this.playing = false;
+      else requestAnimationFrame(frame);
+      this.changed();
+    };
+    requestAnimationFrame(frame);
+    this.changed();
+  }
+
+  pause() {
+    this.playing = false;
+    this.changed();
+  }
+}
