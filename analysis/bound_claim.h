@@ -26,7 +26,7 @@ struct BoundClaim {
   ClaimSource claim;
   std::string basis;  ///< where the bounds come from
   std::string run;
-  std::string signal;                      ///< path, such as control.pose.error
+  std::string signal;                      ///< path, such as control.pose_error
   std::vector<std::string> elements = {};  ///< such as joint_1; none: all
   Statistic statistic = Statistic::Peak;
   double from_s = 0, to_s = kUnbounded;

@@ -45,7 +45,7 @@ struct Use {
 Use UseOfLimits(const RunData& run, int joint) {
   const Joint& j = run.arm.model.joint(joint);
   Use use{.velocity = run["arm.measured_velocity"].row(joint).cwiseAbs().maxCoeff() / j.velocity,
-          .torque = run["control.qp.torque"].row(joint).cwiseAbs().maxCoeff() / j.effort};
+          .torque = run["control.torque"].row(joint).cwiseAbs().maxCoeff() / j.effort};
   if (j.type != Joint::Type::Continuous) {
     const double middle = 0.5 * (j.lower + j.upper), half = 0.5 * (j.upper - j.lower);
     use.position =
@@ -83,7 +83,7 @@ constexpr char kOffsetBasis[] =
 struct ToolBound {
   ToolBound(const RunData& run, double allowed) : factor{allowed} {
     const Series predicted = PredictedError(run);
-    const Series& error = run["control.pose.error"];
+    const Series& error = run["control.pose_error"];
     shift = Peak(error, 3, 3), predicted_shift = Peak(predicted, 3, 3);
     turn = Peak(error, 0, 3), predicted_turn = Peak(predicted, 0, 3);
   }
@@ -127,7 +127,7 @@ Series StaticError(const RunData& run) {
 Claim StandsStill::Check(const Runs& runs) const {
   const RunData& of = runs[run];
   const bool real = of.control.low_level.has_value();
-  const double turn = LargestTurn(of), shift = Peak(of["control.pose.error"], 3, 3);
+  const double turn = LargestTurn(of), shift = Peak(of["control.pose_error"], 3, 3);
   // Ideal: the states are at rest, so the integrator adds nothing; what its tolerance would allow
   // is the bound.
   const double bound = real ? StaticOffset(of) : of.scenario.integrator.absolute_tolerance;
@@ -159,7 +159,7 @@ Claim HoldsTool::Check(const Runs& runs) const {
 Claim YieldsAsInertia::Check(const Runs& runs) const {
   const RunData& of = runs[run];
   const Eigen::Index k = EndOfPlateau(of);
-  const Eigen::Vector3d e = of["control.pose.error"].col(k).tail(3);
+  const Eigen::Vector3d e = of["control.pose_error"].col(k).tail(3);
   const Eigen::Vector3d expected = StaticError(of).col(k).tail(3);
   const double off = (e - expected).norm() / expected.norm();
   const std::string stiffness = Text(of.control.pose.stiffness);
@@ -180,7 +180,7 @@ Claim KeepsLimits::Check(const Runs& runs) const {
   std::string where;
   Eigen::Index relaxed = 0, fallback = 0;
   for (const RunData* run : runs.all()) {
-    const Eigen::VectorXd outcome = run->log["control.qp.report"]["outcome"];
+    const Eigen::VectorXd outcome = run->log["control.report"]["outcome"];
     relaxed += (outcome.array() == 1).count();
     fallback += (outcome.array() == 2).count();
     for (int j = 0; j < run->arm.model.size(); ++j) {

@@ -1,37 +1,158 @@
 #include "pliant/analysis/experiment.h"
 
 #include <algorithm>
+#include <set>
 
-#include "pliant/analysis/integrator_study.h"
-#include "pliant/analysis/null_space_compliance.h"
+#include "pliant/analysis/parameter_schema.h"
+#include "pliant/plants/parameter_text.h"
+#include "pliant/plants/shared_file.h"
 #include "pliant/systems/nearest_name.h"
 
 namespace pliant {
 
-const std::vector<Experiment>& Experiments() {
-  static const std::vector<Experiment> all{
-      {"null-space-compliance",
-       "a Gen3 holds its tool and is pushed at the elbow and at the tool, with three compliances",
-       [](const ExperimentOptions& o, const Progress& progress) {
-         return NullSpaceCompliance({.ideal = o.ideal}, progress);
-       }},
-      {"integrators",
-       "what every integrator costs and how precise it is, on a Gen3 that sways; some minutes",
-       [](const ExperimentOptions&, const Progress& progress) {
-         return IntegratorStudy({}, progress);
-       }},
-  };
+namespace {
+
+/// Takes the names of what would be recorded, and nothing else.
+class NamesOnly final : public RecordSink {
+ public:
+  int Open(std::vector<RecordedValue> values) override {
+    for (RecordedValue& value : values) signals.push_back({std::move(value), {}, {}});
+    return 0;
+  }
+  std::span<double> Begin(int, std::int64_t) noexcept override { return {}; }
+  void Commit() noexcept override {}
+
+  std::vector<RecordedSignal> signals;
+};
+
+Experiment Filled(const std::string& text, const std::string& source, const Overrides& set,
+                  const RunOf* run) {
+  ParameterFile file = ParameterFile::ReadText(text, source);
+  for (const auto& [path, yaml] : set) file.Set(path, yaml, "--set " + path + "=" + yaml);
+  if (run)
+    for (const auto& [path, yaml] : run->set)
+      file.Set(path, yaml, source + ": run '" + run->name + "', " + path + ": " + yaml);
+  Experiment experiment;
+  file.Fill(experiment);
+  return experiment;
+}
+
+void CheckRunNames(const std::vector<RunOf>& runs) {
+  std::set<std::string> names;
+  for (const RunOf& run : runs) {
+    const bool fit = std::ranges::all_of(
+        run.name, [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-'; });
+    Require(fit, "the name of a run, which names its log, has letters, digits, '_' and '-'",
+            "'" + run.name + "'");
+    Require(names.insert(run.name).second, "two runs are named '" + run.name + "'");
+  }
+}
+
+void CheckRunExists(const std::string& where, const std::string& run,
+                    const std::vector<std::string>& names) {
+  if (std::ranges::find(names, run) == names.end())
+    throw Error(where + ": there is no run '" + run + "'" + DidYouMean(run, names));
+}
+
+/// What a claim or a figure names must be there.
+template <class Part>
+void CheckNames(const std::string& where, const Part& part, const std::vector<std::string>& runs,
+                const Recording& recorded) {
+  if constexpr (requires { part.run; }) CheckRunExists(where, part.run, runs);
+  if constexpr (requires { part.runs; })
+    for (const std::string& run : part.runs) CheckRunExists(where, run, runs);
+  if constexpr (requires { part.behind_observer; }) {
+    for (const std::string& run : part.behind_observer) CheckRunExists(where, run, runs);
+    for (const std::string& run : part.as_if_static) CheckRunExists(where, run, runs);
+  }
+  try {
+    if constexpr (requires { part.signal; })
+      for (const std::string& element : part.elements) recorded[part.signal][element];
+    if constexpr (requires { part.signal; }) recorded[part.signal];
+    if constexpr (requires { part.signals; })
+      for (const std::string& signal : part.signals) recorded[signal];
+  } catch (const Error& e) {
+    throw Error(where + ": " + e.what());
+  }
+}
+
+void CheckNames(const Experiment& experiment, const Recording& recorded) {
+  std::vector<std::string> runs;
+  for (const RunOf& run : experiment.runs) runs.push_back(run.name);
+  std::set<std::string> ids;
+  for (const ClaimCheck& check : experiment.claims)
+    std::visit(
+        [&](const auto& of) {
+          const std::string where = "claim '" + of.claim.id + "'";
+          Require(ids.insert(of.claim.id).second, where + ": there are two of that id");
+          CheckNames(where, of, runs, recorded);
+        },
+        check);
+  for (const FigureOf& figure : experiment.figures)
+    std::visit(
+        [&](const auto& of) { CheckNames("figure !" + std::string(of.kTag), of, runs, recorded); },
+        figure);
+}
+
+}  // namespace
+
+ExperimentFile ExperimentFile::ReadText(const std::string& text, const std::string& source,
+                                        const Overrides& set) {
+  ExperimentFile file{.experiment = Filled(text, source, set, nullptr), .scenarios = {}};
+  std::vector<RunOf>& runs = file.experiment.runs;
+  if (runs.empty()) runs.push_back({.name = "run", .title = file.experiment.title});
+  std::string at = source;
+  try {
+    CheckRunNames(runs);
+    std::shared_ptr<NamesOnly> names;
+    for (const RunOf& run : runs) {
+      at = source + ": run '" + run.name + "'";
+      names = std::make_shared<NamesOnly>();
+      const Experiment changed = Filled(text, source, set, &run);
+      file.scenarios.push_back(changed.scenario);
+      ScenarioDiagram(changed.scenario, names).builder.Build();
+    }
+    at = source;
+    CheckNames(file.experiment, Recording(names->signals, {}));
+  } catch (const Error& e) {
+    const std::string_view what = e.what();
+    throw what.starts_with(source) || what.starts_with("--set") ? e : Error(at + ": " + e.what());
+  }
+  return file;
+}
+
+ExperimentFile ExperimentFile::Read(const std::filesystem::path& file, const Overrides& set) {
+  return ReadText(ParameterFile::TextOf(file), file.string(), set);
+}
+
+std::string ExperimentFile::text() const { return ParametersText(experiment); }
+
+std::vector<NamedExperiment> Experiments() {
+  std::vector<NamedExperiment> all;
+  for (const auto& entry : std::filesystem::directory_iterator(SharedFile("experiments")))
+    if (entry.path().extension() == ".yaml")
+      all.push_back({entry.path().stem().string(),
+                     ParameterFile::Read(entry.path())["title"].text(), entry.path()});
+  std::ranges::sort(all, {}, &NamedExperiment::name);
   return all;
 }
 
-const Experiment& FindExperiment(std::string_view name) {
-  const std::vector<Experiment>& all = Experiments();
-  const auto found = std::ranges::find(all, name, &Experiment::name);
+NamedExperiment FindExperiment(std::string_view name) {
+  const std::vector<NamedExperiment> all = Experiments();
+  const auto found = std::ranges::find(all, name, &NamedExperiment::name);
   if (found != all.end()) return *found;
   std::vector<std::string> names;
-  for (const Experiment& e : all) names.push_back(e.name);
+  for (const NamedExperiment& e : all) names.push_back(e.name);
   throw Error("there is no experiment '" + std::string(name) + "'" + DidYouMean(name, names) +
               "\n`pliant experiment list` names them");
+}
+
+std::string ExperimentSchema() {
+  internal::Json schema = internal::SchemaOfStruct<Experiment>();
+  internal::Json all{{"$schema", "http://json-schema.org/draft-07/schema#"},
+                     {"title", "An experiment of pliant"}};
+  all.update(schema);
+  return all.dump(2) + "\n";
 }
 
 }  // namespace pliant

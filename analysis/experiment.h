@@ -65,9 +65,10 @@ struct ExperimentFile {
   std::string text() const;  ///< as YAML that reads back the same
 };
 
-/// The experiments that come with pliant: the name of each and where its file is.
+/// An experiment that comes with pliant.
 struct NamedExperiment {
   std::string name;
+  std::string title;
   std::filesystem::path file;
 };
 std::vector<NamedExperiment> Experiments();

@@ -51,8 +51,8 @@ Figure VelocityFigure::Draw(const Runs& all) const {
     const char* signal;
     Eigen::Index first, rows;
   };
-  for (const Row& row : {Row{"tool [m/s]", "control.pose.error_rate", 3, 3},
-                         Row{"tool [rad/s]", "control.pose.error_rate", 0, 3},
+  for (const Row& row : {Row{"tool [m/s]", "control.pose_error_rate", 3, 3},
+                         Row{"tool [rad/s]", "control.pose_error_rate", 0, 3},
                          Row{"joints [rad/s]", "arm.measured_velocity", 0, 0}}) {
     const auto norm = [&](const RunData& run) {
       const Series& signal = run[row.signal];
@@ -90,7 +90,7 @@ Figure PredictionFigure::Draw(const Runs& all) const {
          .left = {.label = "tool [mm]"},
          .curves = {{.label = "measured",
                      .x = Vector(run.times()),
-                     .y = millimetres(run["control.pose.error"])},
+                     .y = millimetres(run["control.pose_error"])},
                     {.label = how, .x = Vector(run.times()), .y = millimetres(predicted)}},
          .x_bands = PushBands(run)});
   };
@@ -118,7 +118,7 @@ Figure LimitFigure::Draw(const Runs& all) const {
           {j.name, t,
            Vector((2 * row("arm.measured_position") - j.lower - j.upper) / (j.upper - j.lower))});
     velocity.curves.push_back({j.name, t, Vector(row("arm.measured_velocity") / j.velocity)});
-    torque.curves.push_back({j.name, t, Vector(row("control.qp.torque") / j.effort)});
+    torque.curves.push_back({j.name, t, Vector(row("control.torque") / j.effort)});
   }
   for (Panel* panel : {&position, &velocity, &torque}) {
     panel->limits = {{1}, {-1}};

@@ -1,6 +1,7 @@
 #pragma once
 
-#include "pliant/analysis/experiment.h"
+#include "pliant/analysis/progress.h"
+#include "pliant/analysis/report.h"
 #include "pliant/plants/simbody_plant.h"
 #include "pliant/systems/integrator.h"
 

@@ -124,6 +124,7 @@ struct McapLog::Writer {
     if (without_room > without_room_written)
       messages.WriteDropped(mcap, last_without_room_ns, without_room);
     WriteChunk();
+    for (const auto& [name, words] : at_end) mcap.AddMetadata(name, words);
     mcap.AddMetadata("pliant.statistics", {{"dropped", Text(dropped)}, {"rows", Text(rows)}});
     mcap.Finish();
     bytes = file.size();
@@ -164,6 +165,7 @@ struct McapLog::Writer {
   std::vector<std::size_t> widths;  // of the streams, in numbers
   std::int64_t without_room = 0, last_without_room_ns = 0;
   bool closed = false;
+  std::map<std::string, std::map<std::string, std::string>> at_end;
 
   // Of the thread that writes.
   std::int64_t rows_in_chunk = 0, without_room_written = 0;
@@ -199,6 +201,11 @@ std::span<double> McapLog::Begin(int stream, std::int64_t time_ns) noexcept {
 }
 
 void McapLog::Commit() noexcept { writer_->ring.Commit(); }
+
+void McapLog::AddMetadata(const std::string& name,
+                          const std::map<std::string, std::string>& words) {
+  writer_->at_end[name] = words;
+}
 
 void McapLog::Close() {
   writer_->closed = true;

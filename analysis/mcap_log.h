@@ -43,6 +43,9 @@ class McapLog final : public RecordSink {
   std::span<double> Begin(int stream, std::int64_t time_ns) noexcept override;
   void Commit() noexcept override;
 
+  /// Says more about the run, such as how it ended, when the file is closed.
+  void AddMetadata(const std::string& name, const std::map<std::string, std::string>& words);
+
   /// Writes what is in the ring, the index and the statistics; the file is complete. Throws Error
   /// if it could not be written.
   void Close();

@@ -10,9 +10,9 @@ namespace pliant {
 
 namespace {
 
-using Words = std::map<std::string, std::string>;
+using Texts = std::map<std::string, std::string>;
 
-const std::string& WordOf(const Words& words, const std::string& key, const std::string& file) {
+const std::string& WordOf(const Texts& words, const std::string& key, const std::string& file) {
   const auto found = words.find(key);
   if (found == words.end())
     throw Error(file + ": its record 'pliant' says nothing under '" + key +
@@ -22,7 +22,7 @@ const std::string& WordOf(const Words& words, const std::string& key, const std:
 
 /// 0 where the record has no such number: a run that was killed could not write it.
 template <class Number>
-Number NumberOf(const Words& words, const std::string& key) {
+Number NumberOf(const Texts& words, const std::string& key) {
   Number number{};
   if (const auto found = words.find(key); found != words.end())
     std::from_chars(found->second.data(), found->second.data() + found->second.size(), number);
@@ -32,7 +32,9 @@ Number NumberOf(const Words& words, const std::string& key) {
 }  // namespace
 
 RunData RunData::Read(const std::filesystem::path& file) {
-  RunData run{.file = file, .log = Recording::Read(file)};
+  RunData run;
+  run.file = file;
+  run.log = Recording::Read(file);
   const Recording::Metadata& metadata = run.log.metadata();
   const auto pliant = metadata.find("pliant");
   if (pliant == metadata.end())
@@ -49,7 +51,7 @@ RunData RunData::Read(const std::filesystem::path& file) {
   run.arm = StationOf(run.scenario);
   run.control = ControllerOf(run.scenario, run.arm);
   const auto ended = metadata.find("pliant.run");
-  const Words none, &end = ended == metadata.end() ? none : ended->second;
+  const Texts none, &end = ended == metadata.end() ? none : ended->second;
   run.timing = {.simulated_s = NumberOf<double>(end, "simulated_s"),
                 .wall_s = NumberOf<double>(end, "wall_s"),
                 .ticks = NumberOf<std::int64_t>(end, "ticks"),

@@ -6,7 +6,7 @@
 
 #include "pliant/diagrams/stations.h"
 #include "pliant/diagrams/sway_loop.h"
-#include "pliant/plants/model_file.h"
+#include "pliant/plants/shared_file.h"
 #include "pliant/systems/simulator.h"
 
 namespace pliant {

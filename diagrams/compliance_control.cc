@@ -10,7 +10,13 @@ ComplianceControl::ComplianceControl(const Options& o)
       measured_torque{this, "measured_torque", o.model.joints()},
       true_torque{this, "true_torque", o.model.joints(), JointTorque::Zero(o.model.joints())},
       torque{this, "torque", o.model.joints()},
-      current{this, "current", o.model.joints()} {
+      current{this, "current", o.model.joints()},
+      acceleration{this, "acceleration", o.model.joints()},
+      residual{this, "residual", o.model.joints()},
+      pose_error{this, "pose_error", {}, TaskVector::Zero(6)},
+      pose_error_rate{this, "pose_error_rate", {}, TaskVector::Zero(6)},
+      posture_error{this, "posture_error", o.model.joints()},
+      report{this, "report"} {
   const Joints& joints = o.model.joints();
   const int n = o.model.size();
   const std::vector<std::string> frames{o.tool};
@@ -18,21 +24,21 @@ ComplianceControl::ComplianceControl(const Options& o)
   RobotDynamics start(o.model, frames);
   ComputeDynamics(o.model, o.position, JointVelocity::Zero(joints), start);
 
-  dynamics = &Add<ModelDynamics>(
+  auto& dynamics = Add<ModelDynamics>(
       "dynamics", {.model = o.model, .frames = frames, .rotor_inertia = o.rotor_inertia});
-  link_dynamics = &Add<ModelDynamics>("link_dynamics", {.model = o.model});
-  observer = &Add<MomentumObserver>(
+  auto& link_dynamics = Add<ModelDynamics>("link_dynamics", {.model = o.model});
+  auto& observer = Add<MomentumObserver>(
       "observer",
       {.joints = joints, .gain = PerJoint::Constant(n, o.observer_gain), .period = o.period});
   auto& external = Add<ExternalAcceleration>("external", {.joints = joints});
-  pose = &Add<FrameTask>("pose", {.model = o.model,
+  auto& pose = Add<FrameTask>("pose", {.model = o.model,
                                   .frame = o.tool,
                                   .target = start.frame[0].pose,
                                   .stiffness = TaskVector::Constant(6, o.pose.stiffness),
                                   .damping = TaskVector::Constant(6, o.pose.damping),
                                   .weight = o.pose.weight,
                                   .compliance = o.pose.compliance * TaskMatrix::Identity(6, 6)});
-  posture = &Add<PostureTask>("posture",
+  auto& posture = Add<PostureTask>("posture",
                               {.model = o.model,
                                .target = o.position,
                                .stiffness = PerJoint::Constant(n, o.posture.stiffness),
@@ -42,39 +48,45 @@ ComplianceControl::ComplianceControl(const Options& o)
   JointDamper::Options limits = o.damper;
   limits.model = o.model;
   auto& damper = Add<JointDamper>("damper", limits);
-  qp = &Add<ComplianceQp>("qp", {.model = o.model, .period = o.period});
+  auto& qp = Add<ComplianceQp>("qp", {.model = o.model, .period = o.period});
 
-  Connect(measured_position, dynamics->position);
-  Connect(measured_velocity, dynamics->velocity);
-  Connect(measured_position, link_dynamics->position);
-  Connect(measured_velocity, link_dynamics->velocity);
-  Connect(link_dynamics->dynamics, observer->dynamics);
-  Connect(measured_torque, observer->torque);
-  Connect(dynamics->dynamics, external.dynamics);
-  Connect(dynamics->dynamics, pose->dynamics);
-  Connect(dynamics->dynamics, posture->dynamics);
-  Connect(dynamics->dynamics, damper.dynamics);
-  Connect(dynamics->dynamics, qp->dynamics);
+  Connect(measured_position, dynamics.position);
+  Connect(measured_velocity, dynamics.velocity);
+  Connect(measured_position, link_dynamics.position);
+  Connect(measured_velocity, link_dynamics.velocity);
+  Connect(link_dynamics.dynamics, observer.dynamics);
+  Connect(measured_torque, observer.torque);
+  Connect(dynamics.dynamics, external.dynamics);
+  Connect(dynamics.dynamics, pose.dynamics);
+  Connect(dynamics.dynamics, posture.dynamics);
+  Connect(dynamics.dynamics, damper.dynamics);
+  Connect(dynamics.dynamics, qp.dynamics);
   if (o.estimate != TorqueEstimate::Zero) {
     const auto estimate_from = [&](const auto& estimate) {
       Connect(estimate, external.external_torque);
-      Connect(estimate, qp->external_torque);
+      Connect(estimate, qp.external_torque);
     };
     if (o.estimate == TorqueEstimate::True)
       estimate_from(true_torque);
     else
-      estimate_from(observer->residual);
-    Connect(external.acceleration, pose->external_acceleration);
-    Connect(external.acceleration, posture->external_acceleration);
+      estimate_from(observer.residual);
+    Connect(external.acceleration, pose.external_acceleration);
+    Connect(external.acceleration, posture.external_acceleration);
   }
-  Connect(pose->objective, qp->objectives);
-  Connect(posture->objective, qp->objectives);
-  Connect(damper.bounds, qp->bounds);
-  Connect(qp->torque, torque);
+  Connect(pose.objective, qp.objectives);
+  Connect(posture.objective, qp.objectives);
+  Connect(damper.bounds, qp.bounds);
+  Connect(qp.torque, torque);
+  Connect(qp.acceleration, acceleration);
+  Connect(observer.residual, residual);
+  Connect(pose.error, pose_error);
+  Connect(pose.error_rate, pose_error_rate);
+  Connect(posture.error, posture_error);
+  Connect(qp.report, report);
   if (o.low_level) {
     auto& low_level = Add<LowLevelTorque>("low_level", *o.low_level);
-    Connect(qp->torque, low_level.torque);
-    Connect(qp->acceleration, low_level.acceleration);
+    Connect(qp.torque, low_level.torque);
+    Connect(qp.acceleration, low_level.acceleration);
     Connect(measured_velocity, low_level.measured_velocity);
     Connect(measured_torque, low_level.measured_torque);
     Connect(low_level.current, current);
@@ -83,11 +95,6 @@ ComplianceControl::ComplianceControl(const Options& o)
         "low_level", {.space = joints, .value = MotorCurrent::Zero(joints)});
     Connect(none.y, current);
   }
-}
-
-std::vector<const internal::Value*> ComplianceControl::recorded() const {
-  return {&observer->residual, &pose->error, &pose->error_rate, &posture->error,
-          &qp->acceleration,   &qp->torque,  &qp->report,       &current};
 }
 
 }  // namespace pliant

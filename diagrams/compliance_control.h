@@ -86,15 +86,12 @@ class ComplianceControl final : public Composite {
   Input<JointTorque> true_torque;  ///< τ_e; 0 if not connected
   Output<JointTorque> torque;      ///< τ_d
   Output<MotorCurrent> current;
-
-  ModelDynamics *dynamics, *link_dynamics;
-  MomentumObserver* observer;
-  FrameTask* pose;
-  PostureTask* posture;
-  ComplianceQp* qp;
-
-  /// What a log of it holds.
-  std::vector<const internal::Value*> recorded() const;
+  Output<JointAcceleration> acceleration;  ///< q̈_d
+  Output<JointTorque> residual;            ///< of the observer
+  Output<TaskVector> pose_error;           ///< [rad, m]
+  Output<TaskVector> pose_error_rate;      ///< [rad/s, m/s]
+  Output<JointPosition> posture_error;
+  Output<ComplianceQpReport> report;
 };
 
 }  // namespace pliant

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "pliant/plants/model_file.h"
+#include "pliant/plants/shared_file.h"
 #include "pliant/systems/constant.h"
 #include "pliant/systems/nearest_name.h"
 #include "pliant/systems/pulse.h"
@@ -184,12 +184,13 @@ ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<Recor
   if (!sink) return;
   auto& recorder =
       b.Add<Recorder>("recorder", {.period = scenario.log_period.value_or(period), .sink = sink});
+  for (const internal::Value* value : environment.recorded) b.Connect(*value, recorder.in);
   const auto record = [&](const auto&... values) { (b.Connect(values, recorder.in), ...); };
   record(arm->measured_position, arm->measured_velocity, arm->measured_torque,
          arm->measured_current, arm->wrench, arm->status, arm->position, arm->velocity,
          arm->joint_torque, arm->energy, true_torque->torque, schedule.mode);
-  for (const internal::Value* value : environment.recorded) b.Connect(*value, recorder.in);
-  for (const internal::Value* value : control->recorded()) b.Connect(*value, recorder.in);
+  record(control->torque, control->current, control->acceleration, control->residual,
+         control->pose_error, control->pose_error_rate, control->posture_error, control->report);
 }
 
 }  // namespace pliant

@@ -90,8 +90,8 @@ std::vector<Push::Options> PushesOf(const Scenario& scenario);
 ///   schedule ──────┘
 ///
 /// True torques are those of contacts as a controller's ticks see them, by the plant's own model.
-/// What `sink` gets, if there is one: measurements and truth of the arm, contacts, and what the
-/// controller names. Throws Error with the path of the block that cannot be.
+/// What `sink` gets, if there is one: measurements and truth of the arm, contacts, and the
+/// ports of the controller. Throws Error with the path of the block that cannot be.
 struct ScenarioDiagram {
   explicit ScenarioDiagram(const Scenario& scenario, std::shared_ptr<RecordSink> sink = {});
 

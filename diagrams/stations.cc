@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "pliant/plants/model_file.h"
+#include "pliant/plants/shared_file.h"
 
 namespace pliant {
 

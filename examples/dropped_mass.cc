@@ -7,7 +7,7 @@
 
 #include "pliant/diagrams/stations.h"
 #include "pliant/plants/mass_on_rope.h"
-#include "pliant/plants/model_file.h"
+#include "pliant/plants/shared_file.h"
 #include "pliant/systems/diagram.h"
 #include "pliant/systems/simulator.h"
 

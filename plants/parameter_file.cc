@@ -206,13 +206,17 @@ struct ParameterFile::Node {
 };
 
 ParameterFile ParameterFile::Read(const std::filesystem::path& file) {
+  return ReadText(TextOf(file), file.string());
+}
+
+std::string ParameterFile::TextOf(const std::filesystem::path& file) {
   std::error_code none;
   const std::optional<std::string> text =
       std::filesystem::is_directory(file, none) ? std::nullopt : ContentOf(file);
   if (!text) throw Error(file.string() + ": cannot be read");
   if (text->size() > kMostBytes)
     throw Error(file.string() + ": a file of parameters has at most 4 MiB");
-  return ReadText(*text, file.string());
+  return *text;
 }
 
 ParameterFile ParameterFile::ReadText(const std::string& text, const std::string& source) try {

@@ -27,6 +27,8 @@ class ParameterFile {
   /// that contain themselves, more than 32 maps and lists inside one another, a second document,
   /// files that cannot be read, and files of more than 4 MiB.
   static ParameterFile Read(const std::filesystem::path& file);
+  /// What ReadText takes, of a file.
+  static std::string TextOf(const std::filesystem::path& file);
   /// The same of a text; `source` stands for the file's name in messages.
   static ParameterFile ReadText(const std::string& text, const std::string& source = "YAML");
 

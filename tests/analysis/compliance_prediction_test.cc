@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-#include "pliant/plants/model_file.h"
+#include "pliant/plants/shared_file.h"
 #include "pliant/plants/robot_dynamics.h"
 
 namespace pliant {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "pliant/diagrams/stations.h"
-#include "pliant/plants/model_file.h"
+#include "pliant/plants/shared_file.h"
 #include "pliant/systems/simulator.h"
 
 namespace pliant {

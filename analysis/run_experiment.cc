@@ -1,0 +1,296 @@
+#include "pliant/analysis/run_experiment.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <sstream>
+#include <thread>
+
+#include "pliant/analysis/mcap_log.h"
+#include "pliant/analysis/with_unit.h"
+#include "pliant/analysis/write_file.h"
+#include "pliant/plants/parameter_text.h"
+#include "pliant/systems/simulator.h"
+
+namespace pliant {
+
+namespace {
+
+/// One run of one repetition.
+struct Job {
+  const RunOf* run;
+  Scenario scenario;
+  int repetition;
+  std::filesystem::path log;
+};
+
+std::string Exact(double value) { return internal::YamlText(value); }
+
+McapLog::Options LogOf(const Job& job, const ExperimentFile& file, bool force) {
+  const std::filesystem::path urdf = UrdfOf(job.scenario);
+  std::ostringstream description;
+  description << std::ifstream(urdf).rdbuf();
+  return {.file = job.log,
+          .force = force,
+          .metadata = {{"pliant",
+                        {{"version", PLIANT_VERSION},
+                         {"experiment", file.text()},
+                         {"scenario", ParametersText(job.scenario)},
+                         {"run", job.run->name},
+                         {"title", job.run->title},
+                         {"repetition", std::to_string(job.repetition)},
+                         {"seed", std::to_string(job.scenario.seed)}}}},
+          .robot = RobotModel::FromUrdf(urdf),
+          .robot_description = description.str(),
+          .position = "arm.measured_position",
+          .velocity = "arm.measured_velocity",
+          .torque = "arm.measured_torque"};
+}
+
+class Execution {
+ public:
+  Execution(const ExperimentFile& file, const RunOptions& options)
+      : file_{file}, options_{options} {
+    for (int k = 0; k < options.repeat; ++k)
+      for (std::size_t i = 0; i < file.scenarios.size(); ++i) {
+        Job job{.run = &file.experiment.runs[i],
+                .scenario = file.scenarios[i],
+                .repetition = k,
+                .log = {}};
+        job.scenario.seed += static_cast<std::uint64_t>(k);
+        job.log = options.out / "logs" /
+                  (job.run->name + (options.repeat > 1 ? "-" + std::to_string(k) : "") + ".mcap");
+        jobs_.push_back(std::move(job));
+      }
+  }
+
+  std::vector<std::filesystem::path> Run() {
+    internal::MakeDirectory(options_.out / "logs");
+    // Refused before anything is run, not after an hour.
+    for (const Job& job : jobs_)
+      if (!options_.force && std::filesystem::exists(job.log))
+        throw Error(job.log.string() + " exists; give --force to write over it, or another --out");
+    {
+      std::vector<std::jthread> threads;
+      const auto count =
+          std::min<std::size_t>(static_cast<std::size_t>(options_.jobs), jobs_.size());
+      for (std::size_t i = 1; i < count; ++i) threads.emplace_back([this] { Work(); });
+      Work();
+    }
+    if (failure_) throw FailedRun(*failure_);
+    std::vector<std::filesystem::path> logs;
+    for (std::size_t i = 0; i < std::min<std::size_t>(next_, jobs_.size()); ++i)
+      logs.push_back(jobs_[i].log);
+    return logs;
+  }
+
+ private:
+  bool Stopped() const { return failed_ || (options_.stop && *options_.stop); }
+
+  void Work() {
+    while (!Stopped()) {
+      const std::size_t i = next_++;
+      if (i >= jobs_.size()) return;
+      try {
+        Execute(jobs_[i]);
+      } catch (const std::exception& e) {
+        const std::lock_guard lock(mutex_);
+        if (!failure_) failure_ = jobs_[i].log.string() + ": " + e.what();
+        failed_ = true;
+      }
+    }
+  }
+
+  void Execute(const Job& job) {
+    const auto log = std::make_shared<McapLog>(LogOf(job, file_, options_.force));
+    const Diagram diagram = ScenarioDiagram(job.scenario, log).builder.Build();
+    Simulator sim(diagram, {.integrator = job.scenario.integrator});
+    const auto begin = std::chrono::steady_clock::now();
+    const auto wall = [&] {
+      return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    };
+    const double duration = job.scenario.duration_s;
+    const auto end = [&](bool whole) {
+      const Integrator::Statistics statistics = sim.statistics();
+      log->AddMetadata("pliant.run",
+                       {{"whole", whole ? "1" : "0"},
+                        {"simulated_s", Exact(sim.time())},
+                        {"wall_s", Exact(wall())},
+                        {"ticks", std::to_string(log->statistics().rows)},
+                        {"integrator_steps", std::to_string(statistics.steps)},
+                        {"derivative_calls", std::to_string(statistics.derivative_calls)}});
+      log->Close();
+    };
+    const std::string phase =
+        job.run->title + (options_.repeat > 1 ? ", " + std::to_string(job.repetition) : "");
+    try {
+      const auto parts = static_cast<std::int64_t>(std::ceil(10 * duration));
+      for (std::int64_t k = 1; k <= parts && !Stopped(); ++k) {
+        sim.AdvanceTo(duration * static_cast<double>(k) / static_cast<double>(parts));
+        if (!options_.progress) continue;
+        const std::lock_guard lock(mutex_);
+        options_.progress(phase, sim.time(), duration, wall());
+      }
+      // The tick at the end is the last row.
+      if (!Stopped()) sim.AdvanceThroughTick();
+    } catch (const std::exception&) {
+      end(false);
+      throw;
+    }
+    end(sim.time() >= duration);
+  }
+
+  const ExperimentFile& file_;
+  const RunOptions& options_;
+  std::vector<Job> jobs_;
+  std::atomic<std::size_t> next_{0};
+  std::atomic<bool> failed_{false};
+  std::mutex mutex_;
+  std::optional<std::string> failure_;
+};
+
+std::vector<Setting> SettingsOf(const RunData& run) {
+  const Scenario& s = run.scenario;
+  const StationOptions& station = std::get<StationOptions>(s.station);
+  const ComplianceControl::Options& c = run.control;
+  const auto gains = [](const TaskGains& g) {
+    return Text(g.stiffness) + " 1/s², " + Text(g.damping) + " 1/s, weight " + Text(g.weight);
+  };
+  return {{"robot",
+           run.arm.model.name() +
+               (station.ideal ? ", ideal torque actuators and sensors"
+                              : ", elastic gears with friction, sensors with noise and offsets "
+                                "(seed " +
+                                    Text(s.seed) + "), torque loop of the RSS paper")},
+          {"rotor inertia", Text(c.rotor_inertia.transpose()) + " kg·m², reflected"},
+          {"plant", Words(station.engine)[static_cast<std::size_t>(station.engine)]},
+          {"controller", "one QP at " + c.period.text() + ": pose of " + c.tool + " " +
+                             gains(c.pose) + "; posture " + gains(c.posture)},
+          {"limits", "torque, and dampers with λ = " + Text(c.damper.rate) +
+                         " 1/s, M = " + Text(c.damper.damping_ratio) +
+                         ", d_s = " + Text(100 * c.damper.safety_distance) + " % of the range"},
+          {"estimator", "momentum observer, K_I = " + Text(c.observer_gain) + " 1/s"},
+          {"integrator", std::string(Name(s.integrator.method)) + ", tolerances " +
+                             Text(s.integrator.relative_tolerance) + " relative, " +
+                             Text(s.integrator.absolute_tolerance) + " absolute"},
+          {"duration", Text(s.duration_s) + " s"},
+          {"version", "pliant " + run.version}};
+}
+
+/// Least and greatest of a quantity of every joint, over all runs.
+std::vector<Extent> Extents(const std::vector<RunData>& runs, const char* path,
+                            double Joint::*lower, double Joint::*upper, double sign) {
+  const RobotModel& model = runs.front().arm.model;
+  std::vector<Extent> extents;
+  for (int j = 0; j < model.size(); ++j) {
+    constexpr double kNone = std::numeric_limits<double>::infinity();
+    Extent e{model.joint(j).name, kNone, -kNone, sign * (model.joint(j).*lower),
+             model.joint(j).*upper};
+    for (const RunData& run : runs) {
+      e.least = std::min(e.least, run[path].row(j).minCoeff());
+      e.greatest = std::max(e.greatest, run[path].row(j).maxCoeff());
+    }
+    extents.push_back(e);
+  }
+  return extents;
+}
+
+/// The runs of each repetition; throws Error if they do not fit together.
+std::vector<Runs> Repetitions(const std::vector<RunData>& runs, const Experiment& experiment) {
+  std::map<int, std::vector<const RunData*>> by_number;
+  for (const RunData& run : runs) {
+    if (run.experiment != runs.front().experiment)
+      throw Error(run.file.string() + ": the log is of another experiment than " +
+                  runs.front().file.string());
+    if (!run.whole)
+      throw Error(run.file.string() + ": the run ended at " + Text(run.timing.simulated_s) +
+                  " s of " + Text(run.scenario.duration_s) + " s; a report needs whole runs");
+    by_number[run.repetition].push_back(&run);
+  }
+  std::vector<Runs> all;
+  for (const auto& [number, of] : by_number) {
+    all.emplace_back(of);
+    for (const RunOf& run : experiment.runs) {
+      const auto count = std::ranges::count(of, run.name, &RunData::name);
+      if (count != 1)
+        throw Error("repetition " + Text(number) + " has " +
+                    (count == 0 ? "no log" : Text(count) + " logs") + " of run '" + run.name +
+                    "'; a report needs one of each run");
+    }
+  }
+  return all;
+}
+
+Claim Checked(const ClaimCheck& check, const std::vector<Runs>& repetitions) {
+  std::optional<Claim> shown;  // of the first repetition, or the first that fails
+  std::size_t holding = 0;
+  for (const Runs& runs : repetitions) {
+    Claim claim = std::visit([&](const auto& of) { return of.Check(runs); }, check);
+    holding += claim.holds;
+    if (!shown || (shown->holds && !claim.holds)) shown = std::move(claim);
+  }
+  if (repetitions.size() > 1) {
+    shown->measured = "holds in " + Text(holding) + " of " + Text(repetitions.size()) +
+                      " repetitions; in the " + (shown->holds ? "first: " : "first that fails: ") +
+                      shown->measured;
+    shown->criterion += "; in every repetition";
+  }
+  return *shown;
+}
+
+Timing TimingOf(const std::vector<RunData>& runs) {
+  Timing all{};
+  for (const RunData& run : runs) {
+    all.simulated_s += run.timing.simulated_s;
+    all.wall_s += run.timing.wall_s;
+    all.ticks += run.timing.ticks;
+    all.integrator_steps += run.timing.integrator_steps;
+    all.derivative_calls += run.timing.derivative_calls;
+  }
+  return all;
+}
+
+}  // namespace
+
+std::vector<std::filesystem::path> RunExperiment(const ExperimentFile& file, const RunOptions& o) {
+  Require(o.repeat >= 1, "repeat must be >= 1", o.repeat);
+  Require(o.jobs >= 1, "jobs must be >= 1", o.jobs);
+  return Execution(file, o).Run();
+}
+
+Report ReportOf(const std::vector<RunData>& runs) {
+  Require(!runs.empty(), "a report needs the log of a run");
+  Experiment experiment;
+  ParameterFile::ReadText(runs.front().experiment, runs.front().file.string() + ": experiment")
+      .Fill(experiment);
+  const std::vector<Runs> repetitions = Repetitions(runs, experiment);
+
+  Report report{.title = experiment.title, .summary = experiment.summary};
+  report.settings = SettingsOf(runs.front());
+  if (repetitions.size() > 1)
+    report.settings.push_back({"repetitions", Text(repetitions.size()) + ", each with its seed"});
+  for (const ClaimCheck& check : experiment.claims)
+    report.claims.push_back(Checked(check, repetitions));
+  for (const FigureOf& figure : experiment.figures)
+    report.figures.push_back(
+        std::visit([&](const auto& of) { return of.Draw(repetitions.front()); }, figure));
+  const auto extents = [&](const char* title, const char* unit, const char* path,
+                           double Joint::*lower, double Joint::*upper, double sign) {
+    report.tables.push_back(ExtentsTable(title, unit, Extents(runs, path, lower, upper, sign)));
+  };
+  extents("Joint positions, all runs", "rad", "arm.measured_position", &Joint::lower, &Joint::upper,
+          1);
+  extents("Joint velocities, all runs", "rad/s", "arm.measured_velocity", &Joint::velocity,
+          &Joint::velocity, -1);
+  extents("Joint torques, all runs", "N·m", "control.torque", &Joint::effort, &Joint::effort,
+          -1);
+  report.timing = TimingOf(runs);
+  return report;
+}
+
+}  // namespace pliant

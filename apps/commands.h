@@ -1,0 +1,33 @@
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <stdexcept>
+#include <vector>
+
+namespace CLI {
+class App;
+}
+
+namespace pliant {
+
+/// A command of the program and what it does; it returns the exit code.
+struct Command {
+  const CLI::App* app;
+  std::function<int()> act;
+};
+
+/// Something went wrong that the user's words are not to blame for.
+class CannotGoOn : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Ctrl-C sets it.
+extern std::atomic<bool> stop_requested;
+
+void AddRunCommands(CLI::App& app, std::vector<Command>& commands);  ///< run, experiment, report
+void AddLogCommands(CLI::App& app, std::vector<Command>& commands);  ///< replay, export, log
+void AddDoctor(CLI::App& app, std::vector<Command>& commands);
+
+}  // namespace pliant

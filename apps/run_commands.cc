@@ -1,0 +1,186 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "pliant/analysis/experiment.h"
+#include "pliant/analysis/run_experiment.h"
+#include "pliant/analysis/study.h"
+#include "pliant/apps/commands.h"
+#include "pliant/apps/progress_line.h"
+#include "pliant/systems/nearest_name.h"
+
+namespace pliant {
+
+std::atomic<bool> stop_requested{false};
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What `run`, `experiment run` and `report` are told.
+struct Told {
+  std::string file;  // or name
+  std::vector<std::string> names, set, logs;
+  fs::path out;
+  int repeat = 1, jobs = 1;
+  bool force = false, strict = false, check = false;
+};
+
+Overrides OverridesOf(const std::vector<std::string>& set) {
+  Overrides overrides;
+  for (const std::string& text : set) {
+    const std::size_t sign = text.find('=');
+    Require(sign != std::string::npos && sign > 0,
+            "--set wants path=value, such as station.ideal=true", text);
+    overrides.emplace_back(text.substr(0, sign), text.substr(sign + 1));
+  }
+  return overrides;
+}
+
+/// A report that is there stays, unless told otherwise.
+void RefuseToOverwrite(const fs::path& out, bool force) {
+  for (const char* name : {"report.html", "verdict.json"})
+    if (!force && fs::exists(out / name))
+      throw Error((out / name).string() +
+                  " exists; give --force to write over it, or another --out");
+}
+
+int WriteAndTell(const Report& report, const fs::path& out, bool strict) {
+  WriteReport(report, out);
+  bool all = true;
+  for (const Claim& claim : report.claims) {
+    std::printf("%-8s %s: %s\n", claim.holds ? "holds" : "FAILS", claim.id.c_str(),
+                claim.measured.c_str());
+    all = all && claim.holds;
+  }
+  std::printf("report: %s\n", (fs::absolute(out) / "report.html").lexically_normal().c_str());
+  return strict && !all ? 1 : 0;
+}
+
+int ReportOnLogs(const std::vector<fs::path>& logs, const Told& told) {
+  std::vector<RunData> runs;
+  for (const fs::path& log : logs) runs.push_back(RunData::Read(log));
+  return WriteAndTell(ReportOf(runs), told.out, told.strict);
+}
+
+int RunFile(const fs::path& path, const Told& told) {
+  const ExperimentFile file = ExperimentFile::Read(path, OverridesOf(told.set));
+  if (told.check) {
+    std::printf("%s: %zu runs, nothing is wrong\n", path.c_str(), file.scenarios.size());
+    return 0;
+  }
+  RefuseToOverwrite(told.out, told.force);
+  std::vector<fs::path> logs;
+  try {
+    logs = RunExperiment(file, {.out = told.out,
+                                .repeat = told.repeat,
+                                .jobs = told.jobs,
+                                .force = told.force,
+                                .progress = ProgressLine{},
+                                .stop = &stop_requested});
+  } catch (const FailedRun& e) {
+    throw CannotGoOn(e.what());
+  }
+  if (stop_requested) {
+    std::fprintf(stderr, "\nstopped; what was logged:\n");
+    for (const fs::path& log : logs) std::fprintf(stderr, "  %s\n", log.c_str());
+    return 130;
+  }
+  return ReportOnLogs(logs, told);
+}
+
+int RunNamed(const std::string& name, const Told& told) {
+  for (const Study& study : Studies())
+    if (study.name == name) {
+      Require(told.set.empty() && told.repeat == 1,
+              "'" + name + "' is no scenario: it takes neither --set nor --repeat");
+      RefuseToOverwrite(told.out, told.force);
+      return WriteAndTell(study.run(ProgressLine{}), told.out, told.strict);
+    }
+  return RunFile(FindExperiment(name).file, told);
+}
+
+int ListExperiments() {
+  for (const NamedExperiment& e : Experiments())
+    std::printf("%-24s %s\n", e.name.c_str(), e.title.c_str());
+  for (const Study& s : Studies()) std::printf("%-24s %s\n", s.name.c_str(), s.summary.c_str());
+  return 0;
+}
+
+void AddRunOptions(CLI::App& app, Told& told) {
+  app.add_option("--out", told.out, "folder of logs and report, made if it is not there")
+      ->required();
+  app.add_option("--set", told.set,
+                 "path=value in the place of what the file says, such as station.ideal=true");
+  app.add_option("--repeat", told.repeat, "how often, each time with the next seed")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  app.add_option("--jobs", told.jobs, "runs at a time")
+      ->check(CLI::Range(1, 1024))
+      ->capture_default_str();
+  app.add_flag("--force", told.force, "write over logs and a report that are there");
+  app.add_flag("--strict", told.strict, "exit with 1 if a claim fails");
+}
+
+}  // namespace
+
+void AddRunCommands(CLI::App& app, std::vector<Command>& commands) {
+  const auto told = std::make_shared<Told>();
+
+  CLI::App* run = app.add_subcommand("run", "Runs a scenario file and writes logs and a report");
+  run->footer("Example: pliant run my_arm.yaml --set station.ideal=true --out out");
+  run->add_option("file", told->file, "scenario, YAML")->required();
+  AddRunOptions(*run, *told);
+  run->add_flag("--check", told->check, "only says whether the file can be run");
+  commands.push_back({run, [told] { return RunFile(told->file, *told); }});
+
+  CLI::App* experiment =
+      app.add_subcommand("experiment", "Experiments of the papers, which come with pliant");
+  experiment->require_subcommand(1);
+  CLI::App* list = experiment->add_subcommand("list", "Names them");
+  list->footer("Example: pliant experiment list");
+  commands.push_back({list, ListExperiments});
+  CLI::App* named = experiment->add_subcommand("run", "Runs some, as `pliant run` their files");
+  named->footer(
+      "Example: pliant experiment run null-space-compliance --out out\n"
+      "With several names each has a folder of its own in --out.");
+  named->add_option("names", told->names, "of the experiments")->required();
+  AddRunOptions(*named, *told);
+  commands.push_back({named, [told] {
+                        for (const std::string& name : told->names)
+                          if (std::ranges::find(Studies(), name, &Study::name) == Studies().end())
+                            FindExperiment(name);
+                        int worst = 0;
+                        for (const std::string& name : told->names) {
+                          Told one = *told;
+                          if (told->names.size() > 1) one.out /= name;
+                          worst = std::max(worst, RunNamed(name, one));
+                          if (stop_requested) break;
+                        }
+                        return worst;
+                      }});
+
+  CLI::App* report = app.add_subcommand("report", "Writes the report on logs anew");
+  report->footer("Example: pliant report out/logs/*.mcap --out report");
+  report->add_option("logs", told->logs, "of the runs of one experiment")->required();
+  report->add_option("--out", told->out, "folder of the report, made if it is not there")
+      ->required();
+  report->add_flag("--force", told->force, "write over a report that is there");
+  report->add_flag("--strict", told->strict, "exit with 1 if a claim fails");
+  commands.push_back({report, [told] {
+                        RefuseToOverwrite(told->out, told->force);
+                        return ReportOnLogs({told->logs.begin(), told->logs.end()}, *told);
+                      }});
+
+  CLI::App* schema =
+      app.add_subcommand("schema", "Prints the JSON Schema of scenario files, for editors");
+  schema->footer("Example: pliant schema > pliant.schema.json");
+  commands.push_back({schema, [] {
+                        std::fputs(ExperimentSchema().c_str(), stdout);
+                        return 0;
+                      }});
+}
+
+}  // namespace pliant
