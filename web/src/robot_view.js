@@ -208,7 +208,7 @@ export class RobotView {
       return { link, point: point ?? [0, 0, 0], columns: found, material, shaft, head, group };
     });
     const squares = this.arrows.map(({ columns }) =>
-      columns.reduce((sum, column) => sum + this.run.greatest(column) ** 2, 0),
+      columns.reduce((sum, column) => sum + column.greatest ** 2, 0),
     );
     this.greatestForce = Math.sqrt(Math.max(...squares, 0));
   }
