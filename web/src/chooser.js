@@ -1,6 +1,6 @@
 // Which signals are plotted, and in which plot.
 
-import { make } from "./element.js";
+import { make, nameText } from "./element.js";
 import { plotOf, takes, withNames, without } from "./layout.js";
 
 /// A panel that lists all signals of a run by path. `changed` is told the new layout.
@@ -43,7 +43,13 @@ export class Chooser {
     const plotted = names.filter((name) => plotOf(this.layout, name) >= 0);
     const all = this.#check(`path ${path}`, names, plotted.length === names.length);
     all.indeterminate = plotted.length > 0 && plotted.length < names.length;
-    const label = make("label", {}, all, make("span", { class: "path" }, path), unitOf(columns[0]));
+    const label = make(
+      "label",
+      {},
+      all,
+      make("span", { class: "path" }, ...nameText(path)),
+      unitOf(columns[0]),
+    );
     const row = make("div", { class: "row" }, label);
     const group = make("div", { class: "group", "data-words": words(path, columns) }, row);
     if (columns.length > 1) {

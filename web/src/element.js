@@ -25,3 +25,8 @@ export function icon(path) {
   svg.append(shape);
   return svg;
 }
+
+/// A long name that may break after a dot or an underscore.
+export function nameText(name) {
+  return name.split(/(?<=[._])/).flatMap((part, i) => (i ? [make("wbr"), part] : [part]));
+}

@@ -61,10 +61,11 @@ class Replay {
     const tools = make("div", { class: "tools" }, this.signals, this.all, this.pointer);
     const left = make("div", { class: "left" }, tools, this.chooser.element, this.panels);
     const right = make("div", { class: "right" }, this.#makeView(), this.transport.element);
+    this.stage = make("div", { class: "stage", id: "replay-stage" }, right, left);
     this.root.append(
       make("h2", {}, "Replay"),
       ...this.#makeTabs(),
-      make("div", { class: "stage", id: "replay-stage" }, right, left),
+      this.stage,
       this.note,
       makeHelp(),
     );
@@ -174,6 +175,8 @@ class Replay {
       tab.setAttribute("aria-selected", String(i === index));
       tab.tabIndex = i === index ? 0 : -1;
     });
+    this.stage.setAttribute("role", this.tabs ? "tabpanel" : "group");
+    this.stage.setAttribute("aria-label", run.title || "Run");
     const first = !this.shown;
     this.shown = run;
     const wanted = run.description.plots ?? this.page.plots;

@@ -2,15 +2,17 @@
 
 const kMinus = "−";
 
-/// Four significant digits, without an exponent where one reads better without.
-export function numberText(value) {
+/// A value of a signal whose greatest size is `greatest`: with as many decimals as four digits of
+/// that one have, so that what changes with the time does not jump. Whole numbers stay so.
+export function valueText(value, greatest, whole) {
   if (value == null || Number.isNaN(value)) return "–";
   const size = Math.abs(value);
-  let text;
-  if (Number.isInteger(value) && size < 1e6) text = String(size);
-  else if (size >= 1e-3 && size < 1e5) text = size.toPrecision(4);
-  else text = size.toExponential(2).replace("e+", "e").replace("e-", `e${kMinus}`);
-  return value < 0 ? kMinus + text : text;
+  const sign = value < 0 ? kMinus : "";
+  if (size === 0 && greatest === 0) return "0";
+  if (whole && greatest < 1e7) return sign + String(size);
+  if (greatest >= 1e5 || greatest < 1e-4)
+    return sign + size.toExponential(2).replace("e+", "e").replace("e-", `e${kMinus}`);
+  return sign + size.toFixed(Math.max(3 - Math.floor(Math.log10(greatest)), 0));
 }
 
 /// Seconds with as many digits as the span of the run asks for.

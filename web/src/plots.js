@@ -2,9 +2,9 @@
 
 import uPlot from "uplot";
 
-import { icon, make } from "./element.js";
+import { icon, make, nameText } from "./element.js";
 import { unitsOf } from "./layout.js";
-import { numberText, timeText } from "./number.js";
+import { timeText, valueText } from "./number.js";
 import { curveStyle } from "./palette.js";
 
 const kFont = "12px system-ui, sans-serif";
@@ -75,9 +75,14 @@ class Plot {
     this.values = new Map();
     for (const path of this.paths) {
       const columns = this.columns.filter((column) => column.path === path);
-      const title = make("div", { class: "title" }, make("span", { class: "path" }, path));
+      const title = make(
+        "div",
+        { class: "title" },
+        make("span", { class: "path" }, ...nameText(path)),
+      );
       title.append(unitText(columns[0].unit));
-      const entries = make("div", { class: "entries" });
+      const letters = Math.max(...columns.map((column) => column.element.length), 4);
+      const entries = make("div", { class: "entries", style: `--letters: ${letters}ch` });
       for (const column of columns) entries.append(this.#entry(column));
       this.legend.append(title, entries);
     }
@@ -120,7 +125,11 @@ class Plot {
 
   showValues(t) {
     for (const [column, element] of this.values)
-      element.textContent = numberText(this.run.valueAt(column, t));
+      element.textContent = valueText(
+        this.run.valueAt(column, t),
+        column.greatest,
+        column.step === 1,
+      );
   }
 
   // ---- curves ----------------------------------------------------------------------------------
@@ -137,7 +146,7 @@ class Plot {
   }
 
   #options(width) {
-    const { palette, anyRight } = this.plots;
+    const { palette } = this.plots;
     const axis = {
       stroke: palette.grey,
       font: kFont,
@@ -161,7 +170,7 @@ class Plot {
     return {
       width,
       height: this.height,
-      padding: [8, anyRight && this.units.length < 2 ? kAxisWidth : 10, this.last ? 0 : 8, 0],
+      padding: [8, this.#roomOnTheRight(), this.last ? 0 : 8, 0],
       legend: { show: false },
       scales: {
         x: { time: false },
@@ -212,6 +221,12 @@ class Plot {
         draw: [() => this.showTime()],
       },
     };
+  }
+
+  /// All plots end where one does that has a second axis.
+  #roomOnTheRight() {
+    if (this.units.length > 1) return 0;
+    return this.plots.anyRight ? kAxisWidth : 10;
   }
 
   get height() {

@@ -17,7 +17,7 @@ import {
   Line,
   LineBasicMaterial,
   Mesh,
-  MeshStandardMaterial,
+  MeshPhongMaterial,
   PerspectiveCamera,
   Quaternion,
   Scene,
@@ -199,7 +199,7 @@ export class RobotView {
       const found = columns.map((name) => this.run.byName.get(name));
       if (found.includes(undefined) || found.length !== 3)
         throw new Error(`the force on “${link}” needs three columns: ${columns.join(", ")}`);
-      const material = new MeshStandardMaterial({ roughness: 0.7 });
+      const material = new MeshPhongMaterial({ specular: 0x1c1c1c, shininess: 30 });
       const shaft = new Mesh(alongZ(new CylinderGeometry(1, 1, 1, 20)), material);
       const head = new Mesh(alongZ(new ConeGeometry(1, 1, 24)), material);
       const group = new Group();
@@ -208,7 +208,7 @@ export class RobotView {
       return { link, point: point ?? [0, 0, 0], columns: found, material, shaft, head, group };
     });
     const squares = this.arrows.map(({ columns }) =>
-      columns.reduce((sum, column) => sum + this.run.greatest(column) ** 2, 0),
+      columns.reduce((sum, column) => sum + column.greatest ** 2, 0),
     );
     this.greatestForce = Math.sqrt(Math.max(...squares, 0));
   }
@@ -367,9 +367,9 @@ function geometryOf({ shape, radius, length, size }) {
 
 function materialOf(color) {
   const [r, g, b] = color ?? [0.72, 0.75, 0.79];
-  return new MeshStandardMaterial({
+  return new MeshPhongMaterial({
     color: new Color().setRGB(r, g, b, SRGBColorSpace),
-    roughness: 0.55,
-    metalness: 0.05,
+    specular: 0x1c1c1c,
+    shininess: 30,
   });
 }

@@ -23,6 +23,7 @@ export class Run {
       element: about.element ?? "",
       unit: about.unit ?? "",
       ...columns[i + 1],
+      greatest: sizeOf(columns[i + 1].values),
     }));
     this.byName = new Map(this.columns.map((column) => [column.name, column]));
     this.bits = Math.min(...this.columns.map((column) => column.bits), 24);
@@ -81,10 +82,10 @@ export class Run {
     if (!(span > 0) || !(Math.abs(next - here) <= Math.PI)) return here;
     return here + (next - here) * Math.min(Math.max((t - this.times[row]) / span, 0), 1);
   }
+}
 
-  greatest(column) {
-    let greatest = 0;
-    for (const v of column.values) if (Math.abs(v) > greatest) greatest = Math.abs(v);
-    return greatest;
-  }
+function sizeOf(values) {
+  let greatest = 0;
+  for (const v of values) if (Math.abs(v) > greatest) greatest = Math.abs(v);
+  return greatest;
 }

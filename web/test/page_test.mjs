@@ -182,8 +182,10 @@ await test("keys on a plot move the time and zoom", async () => {
 });
 
 await test("space plays and pauses", async () => {
+  await page.getByLabel("Speed").selectOption("0.1");
+  await plots(page).first().focus();
   await page.keyboard.press("Space");
-  await page.waitForFunction(() => window.pliant.time() > 0.1);
+  await page.waitForFunction(() => window.pliant.time() > 0.01);
   await page.keyboard.press("Space");
   await page.getByRole("button", { name: "Play", exact: true }).waitFor();
   const stopped = await time(page);
@@ -196,6 +198,7 @@ await test("playing ends at the end, and begins again", async () => {
   await page.evaluate(() => window.pliant.seek(5.9));
   await page.getByRole("button", { name: "Play", exact: true }).click();
   await page.waitForFunction(() => window.pliant.time() === 6);
+  await page.getByLabel("Speed").selectOption("0.1");
   await page.getByRole("button", { name: "Play", exact: true }).click();
   await page.waitForFunction(() => window.pliant.time() > 0 && window.pliant.time() < 5.9);
   await page.getByRole("button", { name: "Pause" }).click();

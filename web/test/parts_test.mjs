@@ -5,7 +5,7 @@ import { test } from "node:test";
 
 import { Kinematics, multiply, pose, transform } from "../src/kinematics.js";
 import { carriedOver, firstLayout, takes, withNames, without } from "../src/layout.js";
-import { numberText, timeText } from "../src/number.js";
+import { timeText, valueText } from "../src/number.js";
 
 function near(found, expected, tolerance) {
   found.forEach((value, i) =>
@@ -133,17 +133,20 @@ test("a plot takes columns of two units, not of three", () => {
   assert.ok(!takes(kRun, ["a1", "b1"], ["c1"]));
 });
 
-test("numbers have four digits, and an exponent only where it is needed", () => {
-  const texts = {
-    0: 0,
-    17: 17,
-    "−2.500": -2.5,
-    0.001234: 0.00123449,
-    "1.23e−5": 1.234e-5,
-    "1.20e7": 12e6 + 0.5,
-  };
-  for (const [text, value] of Object.entries(texts)) assert.equal(numberText(value), text);
-  assert.equal(numberText(NaN), "–");
+test("values have the decimals that four digits of the greatest have", () => {
+  assert.equal(valueText(-0.08291, 6.1), "−0.083");
+  assert.equal(valueText(20.3456, 20.5), "20.35");
+  assert.equal(valueText(0.00154321, 0.0016), "0.001543");
+  assert.equal(valueText(1234.5, 99999), "1235");
+  assert.equal(valueText(1.234e-5, 2e-5), "1.23e−5");
+  assert.equal(valueText(1.2e7, 2e7), "1.20e7");
+  assert.equal(valueText(-3, 4, true), "−3");
+  assert.equal(valueText(0, 0), "0");
+  assert.equal(valueText(NaN, 1), "–");
+});
+
+test("times have the digits that their span asks for", () => {
   assert.equal(timeText(1.23456, 6), "1.235");
   assert.equal(timeText(-1.23456, 600), "−1.23");
+  assert.equal(timeText(0.012345, 0.1), "0.01235");
 });

@@ -8,7 +8,7 @@ import { encodePageData } from "./encode.mjs";
 const kJoints = 7;
 const kRate = 1000;
 
-// The variables and the text column of analysis/report_page.cc.
+// Of analysis/report_page.cc: the variables, the text column, and what else may meet the replay.
 const kSheet = `
 :root { color-scheme: light dark; --paper: #fff; --blue: #0072b2; --vermillion: #d55e00;
   --green: #009e73; --purple: #cc79a7; --sky: #56b4e9; --amber: #e69f00; --ink: #262626;
@@ -21,7 +21,11 @@ body { margin: 0 auto; max-width: 62rem; padding: 2rem 1.5rem 4rem; color: var(-
 h1 { font-size: 1.7rem; line-height: 1.25; margin: 0 0 .5rem; }
 h2 { font-size: 1.15rem; margin: 2.5rem 0 .6rem; }
 p { margin: .5rem 0; max-width: 48rem; }
+.wide { overflow-x: auto; }
+table { border-collapse: collapse; font-size: .9rem; width: 100%; }
+th, td { padding: .4rem .7rem; text-align: left; border-bottom: 1px solid var(--grid); }
 figure { margin: 1.2rem 0 2rem; break-inside: avoid; }
+figure svg { display: block; width: 100%; height: auto; }
 `;
 
 /// Numbers in (−1, 1), the same in every run of the test.
