@@ -41,9 +41,9 @@ struct ReplayResult {
 ///
 /// At a tick k the part reads row k of the signals that feed it, as it did when they were recorded:
 /// a row of a recorder with a period holds the values of that instant, held outputs new, states
-/// before their updates. So an unchanged program gives the same bits. What the log lacks is computed again where the log has
-/// what it follows from (`along`); part.h says what can be run. Every recorded signal within the
-/// part is compared, at all rows at which its inputs are recorded.
+/// before their updates. So an unchanged program gives the same bits. What the log lacks is
+/// computed again where the log has what it follows from (`along`); part.h says what can be run.
+/// Every recorded signal within the part is compared, at all rows at which its inputs are recorded.
 ///
 /// The log begins no later than the first tick of the part, from whose initial state the replay
 /// starts, and has a row at each of its ticks: a replay is exact, or Error.
