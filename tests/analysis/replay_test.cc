@@ -229,7 +229,7 @@ TEST(Replay, OfAnUnchangedProgramIsIdenticalBitForBit) {
 }
 
 TEST(Replay, RunsASingleBlockWithinComposites) {
-  // what feeds the delay is the held sum; what feeds that is computed again, and so the whole loop
+  // what feeds the delay is the torque, which is recorded at a port of the outermost composite
   const ReplayResult result = pliant::Replay(MakeWhole().builder, "rig.control.delay", Recorded());
   EXPECT_TRUE(result.identical()) << result.text();
   EXPECT_THAT(result.compared, ElementsAre("rig.delayed"));
@@ -272,8 +272,7 @@ TEST(Replay, FindsAChangedGainAtTheFirstInstantItActs) {
 }
 
 TEST(Replay, OfAPerturbedRowDiffersInThatRowAlone) {
-  // The delay's output is read by nothing that is compared but the torque, which is recorded; so a
-  // changed row of an output shows there alone, and one of an input wherever it is felt.
+  // A changed row of an output is compared and fed to nothing.
   const Recording perturbed = Changed(Recorded(), [](RecordedSignal& s) {
     if (s.path == "rig.torque") s.numbers(1, 37) += 0.25;
     return true;
