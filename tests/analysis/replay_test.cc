@@ -333,6 +333,7 @@ TEST(Replay, ReportsRecordedSignalsThatThePartNoLongerHas) {
   const ReplayResult result = pliant::Replay(MakeWhole().builder, "rig.control", recording);
   EXPECT_FALSE(result.identical());
   EXPECT_THAT(result.unknown, ElementsAre("rig.control.lag.y"));
+  EXPECT_THAT(result.text(), HasSubstr("identical, but not complete: 1 signal over 501 rows"));
   EXPECT_THAT(result.text(), HasSubstr("recorded, but not in the part: rig.control.lag.y\n"));
 }
 
