@@ -307,7 +307,8 @@ std::string ReplayResult::text() const {
       " over " + Count(rows, "row") + ", " + Text(from) + " s to " + Text(to) + " s";
   std::string out;
   if (differences.empty()) {
-    out = "identical: " + Count(compared.size(), "signal") + over + "\n";
+    out = std::string(unknown.empty() ? "identical: " : "identical, but not complete: ") +
+          Count(compared.size(), "signal") + over + "\n";
   } else {
     std::vector<std::string> paths;
     for (const SignalDifference& d : differences) paths.push_back(d.path);

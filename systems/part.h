@@ -21,7 +21,7 @@ struct NamedValue {
 /// same path. What feeds the part and is not known is computed again by the block that computed it,
 /// from what feeds that block, until all is known. Where that leads to a value that changes between
 /// ticks, an integral or what a guard watches, the part cannot be run and Error says what to
-/// record.
+/// record. Recorders and loggers within the part record as ever.
 struct Part {
   Diagram diagram;
   std::vector<NamedValue> given;     ///< to set before each tick

@@ -7,7 +7,8 @@
 
 #include "pliant/analysis/recording.h"
 #include "pliant/systems/diagram.h"
-#include "pliant/systems/log.h"
+#include "pliant/systems/logger.h"
+#include "pliant/systems/simulator.h"
 
 namespace pliant {
 
@@ -37,6 +38,20 @@ inline Recording RecordingOf(const Diagram& diagram, const Log& log) {
     signal.numbers.bottomRows<1>() = log[column].transpose();
   }
   return Recording(std::move(signals), {});
+}
+
+/// A diagram that is not built yet, and a logger in it.
+struct LoggedDiagram {
+  DiagramBuilder builder;
+  const Logger* logger;
+};
+
+/// What its logger sees until the tick at `end` [s], through which it runs.
+inline Recording RecordingOf(LoggedDiagram whole, double end) {
+  const Diagram diagram = whole.builder.Build();
+  Simulator sim{diagram};
+  sim.AdvanceTo(end + 1e-9);
+  return RecordingOf(diagram, sim.Get(whole.logger->log));
 }
 
 }  // namespace pliant
