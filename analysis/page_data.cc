@@ -20,7 +20,7 @@ namespace {
 constexpr int kTimeBytes = 8;
 constexpr double kLastNanosecond = 9007199254740992;  // 2⁵³: a double counts no further
 
-void Check(const Columns& columns) {
+void Check(const PageColumns& columns) {
   Require(!columns.empty(), "page data: the first column must be the time; there is no column");
   const std::vector<double>& times = columns[0];
   for (std::size_t i = 0; i < columns.size(); ++i)
@@ -167,7 +167,7 @@ std::string SentenceOf(const std::vector<double>& times, std::size_t bin) {
 
 }  // namespace
 
-std::string PageData(const Columns& columns, int bits) {
+std::string PageData(const PageColumns& columns, int bits) {
   Check(columns);
   Require(bits == 16 || bits == 24, "page data: bits must be 16 or 24", bits);
   std::string head, body;
@@ -193,7 +193,7 @@ std::string PageData(const Columns& columns, int bits) {
   return Base64(Deflated(head + body));
 }
 
-Decimated Decimate(const Columns& columns, std::size_t rows) {
+Decimated Decimate(const PageColumns& columns, std::size_t rows) {
   Check(columns);
   Require(rows >= 2, "page data: there must be room for 2 rows", rows);
   const std::size_t all = columns[0].size();
@@ -201,7 +201,7 @@ Decimated Decimate(const Columns& columns, std::size_t rows) {
   // Two rows of each bin, of which the last may be short.
   const std::size_t bins = rows / 2;
   const std::size_t size = (all + bins - 1) / bins;
-  Decimated fewer{Columns(columns.size()), SentenceOf(columns[0], size)};
+  Decimated fewer{PageColumns(columns.size()), SentenceOf(columns[0], size)};
   for (std::size_t first = 0; first < all; first += size) {
     const std::size_t last = std::min(first + size, all);
     for (std::size_t c = 0; c < columns.size(); ++c) {
@@ -215,7 +215,7 @@ Decimated Decimate(const Columns& columns, std::size_t rows) {
   return fewer;
 }
 
-FittedData FitPageData(const Columns& columns, std::size_t characters) {
+FittedData FitPageData(const PageColumns& columns, std::size_t characters) {
   for (const int bits : {24, 16}) {
     std::string text = PageData(columns, bits);
     if (text.size() <= characters)

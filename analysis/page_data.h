@@ -7,9 +7,9 @@
 namespace pliant::internal {
 
 /// Numbers of a run by column, all of one length. The first column is the time [s].
-using Columns = std::vector<std::vector<double>>;
+using PageColumns = std::vector<std::vector<double>>;
 
-/// Columns as text for a page, which web/src/page_data.js reads: base64 of a zlib stream of
+/// PageColumns as text for a page, which web/src/page_data.js reads: base64 of a zlib stream of
 ///
 ///   rows, columns                    32 bits each
 ///   bytes, order, offset, step       for each column: 32, 32, 64 and 64 bits, the last two as
@@ -31,11 +31,11 @@ using Columns = std::vector<std::vector<double>>;
 ///
 /// Throws Error if there is no column, if columns differ in length, or if the time is not finite,
 /// decreases or is past 2⁵³ ns.
-std::string PageData(const Columns& columns, int bits = 24);
+std::string PageData(const PageColumns& columns, int bits = 24);
 
-/// Columns with fewer rows, and how they came about.
+/// PageColumns with fewer rows, and how they came about.
 struct Decimated {
-  Columns columns;
+  PageColumns columns;
   std::string sentence;  ///< "every value is shown"
 };
 
@@ -43,7 +43,7 @@ struct Decimated {
 /// order in which they came, at the times of the bin's first row and of its middle. No peak is
 /// lost, and none moves by more than a bin. Values that are not finite count only in a bin
 /// that has no others.
-Decimated Decimate(const Columns& columns, std::size_t rows);
+Decimated Decimate(const PageColumns& columns, std::size_t rows);
 
 /// A run's data as it goes into a page.
 struct FittedData {
@@ -54,6 +54,6 @@ struct FittedData {
 
 /// The most that `characters` hold: all rows with 24 bits, all rows with 16 bits, or fewer rows
 /// with 16 bits; two rows remain however few the characters are.
-FittedData FitPageData(const Columns& columns, std::size_t characters);
+FittedData FitPageData(const PageColumns& columns, std::size_t characters);
 
 }  // namespace pliant::internal

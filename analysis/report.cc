@@ -109,14 +109,15 @@ Table ExtentsTable(const std::string& title, const std::string& unit,
   return table;
 }
 
-void WriteReport(const Report& report, const std::filesystem::path& directory) {
+void WriteReport(const Report& report, const std::filesystem::path& directory,
+                 const std::vector<RunData>& runs) {
   Check(report);
   internal::MakeDirectory(directory);
   // What can fail for other reasons than a full disk comes first.
   std::vector<std::string> drawings;
   for (const Figure& figure : report.figures)
     drawings.push_back(DrawFigure(figure, directory / "figures"));
-  internal::WriteFile(directory / "report.html", internal::ReportPage(report, drawings));
+  internal::WriteFile(directory / "report.html", internal::ReportPage(report, drawings, runs));
   internal::WriteFile(directory / "verdict.json", Verdict(report.claims));
 }
 

@@ -66,15 +66,19 @@ struct Report {
   std::optional<Timing> timing = {};
 };
 
+struct RunData;
+
 /// Writes
 ///
 ///   verdict.json               {"claims": [{"id", "source", "paper", "measured", "criterion",
 ///                              "basis", "holds"}]}
 ///   figures/NAME.svg .gp .dat  see DrawFigure
-///   report.html                all of it in one page that asks for no other file
+///   report.html                all of it in one page that asks for no other file, with the runs:
+///                              the first repetition, to zoom into and to replay
 ///
 /// Each file is moved into place when it is whole. Throws Error, with the file and the reason, or
 /// with what is wrong in the report before anything is written.
-void WriteReport(const Report& report, const std::filesystem::path& directory);
+void WriteReport(const Report& report, const std::filesystem::path& directory,
+                 const std::vector<RunData>& runs = {});
 
 }  // namespace pliant

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "pliant/analysis/figure_style.h"
+#include "pliant/analysis/replay_section.h"
 #include "pliant/analysis/with_unit.h"
 
 namespace pliant {
@@ -33,6 +34,9 @@ tbody th { color: var(--ink); white-space: nowrap; }
 .basis, figcaption, caption { color: var(--grey); font-size: .85rem; }
 caption { caption-side: bottom; text-align: left; padding: .4rem .7rem; }
 td .basis { display: block; }
+details { margin: .8rem 0; }
+summary { cursor: pointer; color: var(--grey); font-size: .9rem; }
+pre { overflow: auto; max-height: 28rem; font-size: .8rem; padding: .8rem; border: 1px solid var(--grid); }
 td.verdict { font-weight: 600; text-align: center; white-space: nowrap; }
 figure { margin: 1.2rem 0 2rem; break-inside: avoid; }
 figure svg { display: block; width: 100%; height: auto; }
@@ -246,18 +250,35 @@ Table TimingTable(const Timing& t) {
         std::to_string(t.integrator_steps), std::to_string(t.derivative_calls)}}};
 }
 
+/// The scenario as it was run, to unfold.
+std::string ScenarioOf(const std::vector<RunData>& runs) {
+  if (runs.empty()) return "";
+  return In("details", In("summary", "The scenario, with everything that was left out filled in") +
+                           In("pre", Escaped(runs.front().experiment)));
+}
+
 }  // namespace
 
-std::string internal::ReportPage(const Report& report, const std::vector<std::string>& drawings) {
-  std::string body = In("h1", Escaped(report.title)) + TallyOf(report.claims) +
-                     In("p", Escaped(report.summary)) + SettingsOf(report.settings) +
-                     ClaimsOf(report.claims) + FiguresOf(report.figures, drawings);
-  for (const Table& table : report.tables) body += TableOf(table);
-  if (report.timing) body += TableOf(TimingTable(*report.timing));
+std::string internal::ReportPage(const Report& report, const std::vector<std::string>& drawings,
+                                 const std::vector<RunData>& runs) {
+  std::string before = In("h1", Escaped(report.title)) + TallyOf(report.claims) +
+                       In("p", Escaped(report.summary)) + SettingsOf(report.settings) +
+                       ScenarioOf(runs) + ClaimsOf(report.claims);
+  std::string behind = FiguresOf(report.figures, drawings);
+  for (const Table& table : report.tables) behind += TableOf(table);
+  if (report.timing) behind += TableOf(TimingTable(*report.timing));
+
+  constexpr std::size_t kPage = 4'900'000, kScript = 800'000, kLeast = 500'000;
+  const std::size_t used = before.size() + behind.size() + kScript;
+  std::vector<const RunData*> shown;
+  for (const RunData& run : runs)
+    if (run.repetition == runs.front().repetition) shown.push_back(&run);
+  const ReplaySection replay =
+      ReplaySectionOf(shown, used + kLeast < kPage ? kPage - used : kLeast);
   return "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
          "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n" +
          In("title", Escaped(report.title)) + In("style", Sheet()) + "</head>\n" +
-         In("body", body) + "</html>\n";
+         In("body", before + replay.middle + behind + replay.end) + "</html>\n";
 }
 
 }  // namespace pliant

@@ -3,11 +3,13 @@
 #include <string>
 #include <vector>
 
-#include "pliant/analysis/report.h"
+#include "pliant/analysis/run_data.h"
 
 namespace pliant::internal {
 
-/// The page, with a drawing for each of the report's figures in it.
-std::string ReportPage(const Report& report, const std::vector<std::string>& drawings);
+/// The page, with a drawing for each of the report's figures, and with its runs. Less than 5 MB
+/// where the figures allow it.
+std::string ReportPage(const Report& report, const std::vector<std::string>& drawings,
+                       const std::vector<RunData>& runs);
 
 }  // namespace pliant::internal

@@ -287,8 +287,7 @@ Report ReportOf(const std::vector<RunData>& runs) {
           1);
   extents("Joint velocities, all runs", "rad/s", "arm.measured_velocity", &Joint::velocity,
           &Joint::velocity, -1);
-  extents("Joint torques, all runs", "N·m", "control.torque", &Joint::effort, &Joint::effort,
-          -1);
+  extents("Joint torques, all runs", "N·m", "control.torque", &Joint::effort, &Joint::effort, -1);
   report.timing = TimingOf(runs);
   return report;
 }

@@ -47,8 +47,9 @@ void RefuseToOverwrite(const fs::path& out, bool force) {
                   " exists; give --force to write over it, or another --out");
 }
 
-int WriteAndTell(const Report& report, const fs::path& out, bool strict) {
-  WriteReport(report, out);
+int WriteAndTell(const Report& report, const fs::path& out, bool strict,
+                 const std::vector<RunData>& runs = {}) {
+  WriteReport(report, out, runs);
   bool all = true;
   for (const Claim& claim : report.claims) {
     std::printf("%-8s %s: %s\n", claim.holds ? "holds" : "FAILS", claim.id.c_str(),
@@ -62,7 +63,7 @@ int WriteAndTell(const Report& report, const fs::path& out, bool strict) {
 int ReportOnLogs(const std::vector<fs::path>& logs, const Told& told) {
   std::vector<RunData> runs;
   for (const fs::path& log : logs) runs.push_back(RunData::Read(log));
-  return WriteAndTell(ReportOf(runs), told.out, told.strict);
+  return WriteAndTell(ReportOf(runs), told.out, told.strict, runs);
 }
 
 int RunFile(const fs::path& path, const Told& told) {

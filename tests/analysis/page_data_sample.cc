@@ -14,9 +14,9 @@
 
 namespace {
 
-using pliant::internal::Columns;
+using pliant::internal::PageColumns;
 
-void Write(const std::filesystem::path& folder, const std::string& name, const Columns& columns,
+void Write(const std::filesystem::path& folder, const std::string& name, const PageColumns& columns,
            int bits) {
   std::ofstream numbers(folder / (name + ".f64"), std::ios::binary);
   const auto write = [&](double value) {
@@ -29,9 +29,9 @@ void Write(const std::filesystem::path& folder, const std::string& name, const C
   std::ofstream(folder / (name + ".txt")) << pliant::internal::PageData(columns, bits);
 }
 
-Columns Mixed(std::size_t rows) {
+PageColumns Mixed(std::size_t rows) {
   const pliant::RandomStream random{7};
-  Columns columns(8);
+  PageColumns columns(8);
   for (std::size_t i = 0; i < rows; ++i) {
     const double t = 2.5 + 1e-3 * static_cast<double>(i);
     const bool gap = random.Uniform(i) < 0.1;

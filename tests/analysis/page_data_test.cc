@@ -78,16 +78,16 @@ TEST(PageData, RefusesAnotherNumberOfBits) {
 }
 
 TEST(Decimate, KeepsWhatFits) {
-  const Columns columns{Times(10), Noise(10, 1)};
+  const PageColumns columns{Times(10), Noise(10, 1)};
   const Decimated same = Decimate(columns, 10);
   EXPECT_EQ(same.columns, columns);
   EXPECT_EQ(same.sentence, "every value is shown");
 }
 
 TEST(Decimate, KeepsLeastAndGreatestInTheirOrder) {
-  const Columns columns{{0.000, 0.001, 0.002, 0.003, 0.004, 0.005, 0.006, 0.007, 0.008},
-                        {0, 1, 2, 3, 7, 6, 5, 4, 9},
-                        {0, 5, -5, 0, 1, 1, 1, 1, 2}};
+  const PageColumns columns{{0.000, 0.001, 0.002, 0.003, 0.004, 0.005, 0.006, 0.007, 0.008},
+                            {0, 1, 2, 3, 7, 6, 5, 4, 9},
+                            {0, 5, -5, 0, 1, 1, 1, 1, 2}};
   const Decimated fewer = Decimate(columns, 6);
   EXPECT_THAT(fewer.columns[0], ElementsAre(0, 0.001, 0.003, 0.004, 0.006, 0.007));
   EXPECT_THAT(fewer.columns[1], ElementsAre(0, 2, 3, 7, 4, 9));
@@ -97,7 +97,7 @@ TEST(Decimate, KeepsLeastAndGreatestInTheirOrder) {
 
 TEST(Decimate, LosesNoPeakOfRandomColumns) {
   for (const std::size_t rows : {2, 3, 10, 97, 500, 999}) {
-    const Columns columns{Times(1000), Noise(1000, rows)};
+    const PageColumns columns{Times(1000), Noise(1000, rows)};
     const Decimated fewer = Decimate(columns, rows);
     EXPECT_LE(fewer.columns[0].size(), rows);
     EXPECT_EQ(fewer.columns[1].size(), fewer.columns[0].size());
@@ -130,7 +130,7 @@ TEST(Decimate, RefusesLessThanOneBin) {
 }
 
 TEST(FitPageData, KeepsAllThatFits) {
-  const Columns columns{Times(1000), Noise(1000, 1)};
+  const PageColumns columns{Times(1000), Noise(1000, 1)};
   const FittedData fitted = FitPageData(columns, 100000);
   EXPECT_EQ(fitted.text, PageData(columns, 24));
   EXPECT_EQ(fitted.rows, 1000u);
@@ -138,14 +138,14 @@ TEST(FitPageData, KeepsAllThatFits) {
 }
 
 TEST(FitPageData, RoundsBeforeItDecimates) {
-  const Columns columns{Times(1000), Noise(1000, 1)};
+  const PageColumns columns{Times(1000), Noise(1000, 1)};
   const FittedData fitted = FitPageData(columns, PageData(columns, 16).size());
   EXPECT_EQ(fitted.text, PageData(columns, 16));
   EXPECT_EQ(fitted.rows, 1000u);
 }
 
 TEST(FitPageData, KeepsWithinItsCharactersAndUsesMostOfThem) {
-  const Columns columns{Times(20000), Noise(20000, 1), Noise(20000, 2), Noise(20000, 3)};
+  const PageColumns columns{Times(20000), Noise(20000, 1), Noise(20000, 2), Noise(20000, 3)};
   for (const std::size_t characters : {5000, 20000, 60000}) {
     const FittedData fitted = FitPageData(columns, characters);
     EXPECT_LE(fitted.text.size(), characters);
@@ -156,7 +156,7 @@ TEST(FitPageData, KeepsWithinItsCharactersAndUsesMostOfThem) {
 }
 
 TEST(FitPageData, HoldsAMinuteOfSixtyNoisyColumnsInFourMegabytes) {
-  Columns columns{Times(60000)};
+  PageColumns columns{Times(60000)};
   for (std::uint64_t c = 0; c < 60; ++c) columns.push_back(Noise(60000, c));
   const FittedData fitted = FitPageData(columns, 4'000'000);
   EXPECT_LE(fitted.text.size(), 4'000'000u);
