@@ -65,7 +65,7 @@ RosLog::RosLog(Options o)
           NewTopic("/robot_description", StringSchema(), {{"offered_qos_profiles", Qos(true)}})},
       dropped_{NewTopic("/pliant/dropped", Int64Schema())} {
   for (const Topic* topic : {&joint_states_, &transforms_, &description_, &dropped_})
-    topics_.push_back(topic->name);
+    topics_.insert(topic->name);
   if (options_.robot) links_.emplace(*options_.robot);
 }
 
@@ -80,17 +80,15 @@ int RosLog::Open(std::vector<RecordedValue> values) {
   constexpr std::size_t kMostTopics = 65'000;  // MCAP numbers channels by 16 bits
   Require(paths_.size() + values.size() <= kMostTopics,
           "a log has at most " + Text(kMostTopics) + " values", paths_.size() + values.size());
-  std::vector<std::string> paths = paths_, topics = topics_;
+  std::set<std::string> paths = paths_, topics = topics_;
   Stream stream;
   std::size_t begin = 0;
   for (const RecordedValue& value : values) {
-    if (std::ranges::find(paths, value.path) != paths.end())
+    if (!paths.insert(value.path).second)
       throw Error("cannot record " + value.path +
                   " twice in one log\nlet one recorder record it; a diagram that is built again "
                   "needs a log of its own");
-    paths.push_back(value.path);
-    topics.push_back(Unlike(topics, TopicOf(value.path), "_"));
-    stream.series.push_back({NewTopic(topics.back(), SchemaOf(value),
+    stream.series.push_back({NewTopic(Unlike(topics, TopicOf(value.path), "_"), SchemaOf(value),
                                       {{"pliant.path", value.path},
                                        {"pliant.type", value.type},
                                        {"pliant.elements", Json(value.elements)},
@@ -146,9 +144,9 @@ std::optional<RosLog::JointState> RosLog::JointsOf(const std::vector<RecordedVal
 std::string RosLog::Missing() const {
   const std::lock_guard lock(mutex_);
   for (const std::string& path : {options_.position, options_.velocity, options_.torque})
-    if (!path.empty() && std::ranges::find(paths_, path) == paths_.end())
+    if (!path.empty() && !paths_.contains(path))
       return "/joint_states is not in the log: nothing recorded '" + path + "'" +
-             DidYouMean(path, paths_);
+             DidYouMean(path, {paths_.begin(), paths_.end()});
   return "";
 }
 
@@ -166,9 +164,8 @@ std::uint16_t RosLog::ChannelOf(McapWriter& to, Topic& topic) {
   auto schema = std::ranges::find(schemas_, topic.schema, &decltype(schemas_)::value_type::first);
   if (schema == schemas_.end()) {
     // Two shapes of one type need two names.
-    schema_names_.push_back(Unlike(schema_names_, topic.schema.name));
-    schemas_.emplace_back(topic.schema,
-                          to.AddSchema(schema_names_.back(), "ros2msg", topic.schema.text));
+    schemas_.emplace_back(topic.schema, to.AddSchema(Unlike(schema_names_, topic.schema.name),
+                                                     "ros2msg", topic.schema.text));
     schema = std::prev(schemas_.end());
   }
   topic.channel = to.AddChannel(schema->second, topic.name, "cdr", topic.metadata);

@@ -6,6 +6,7 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <utility>
@@ -76,13 +77,13 @@ class RosLog {
 
   const Options options_;
   mutable std::mutex mutex_;  // of what Open adds to
-  std::vector<std::string> paths_, topics_;
+  std::set<std::string> paths_, topics_;
   std::deque<Stream> streams_;
 
   // Of the thread that writes.
   std::vector<Stream*> known_;
   std::vector<std::pair<RosSchema, std::uint16_t>> schemas_;
-  std::vector<std::string> schema_names_;
+  std::set<std::string> schema_names_;
   Topic joint_states_, transforms_, description_, dropped_;
   bool described_ = false;
   std::optional<std::int64_t> last_transforms_ns_;

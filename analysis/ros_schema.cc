@@ -59,18 +59,19 @@ std::string MessageName(std::string_view type) {
 
 }  // namespace
 
-std::string Unlike(const std::vector<std::string>& taken, const std::string& name,
+std::string Unlike(std::set<std::string>& taken, const std::string& name,
                    std::string_view separator) {
   std::string unlike = name;
-  for (int k = 2; std::ranges::find(taken, unlike) != taken.end(); ++k)
+  for (int k = 2; !taken.insert(unlike).second; ++k)
     unlike = name + std::string(separator) + std::to_string(k);
   return unlike;
 }
 
 std::vector<std::string> FieldNames(const std::vector<std::string>& elements) {
   std::vector<std::string> names;
+  std::set<std::string> taken;
   for (const std::string& element : elements)
-    names.push_back(Unlike(names, FieldName(element), "_"));
+    names.push_back(Unlike(taken, FieldName(element), "_"));
   return names;
 }
 

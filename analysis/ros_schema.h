@@ -1,5 +1,6 @@
 #pragma once
 
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -27,8 +28,8 @@ RosSchema SchemaOf(const RecordedValue& value);
 /// The topic of a path, such as "/arm/measured_velocity" for "arm.measured_velocity".
 std::string TopicOf(std::string_view path);
 
-/// `name`, or the first of name2, name3, … that is not in `taken`.
-std::string Unlike(const std::vector<std::string>& taken, const std::string& name,
+/// `name`, or the first of name2, name3, … that is not in `taken`; adds it there.
+std::string Unlike(std::set<std::string>& taken, const std::string& name,
                    std::string_view separator = "");
 
 RosSchema JointStateSchema();

@@ -22,6 +22,7 @@ WiredNumbers::WiredNumbers(const std::vector<Source>& sources) {
       value.elements.push_back(std::move(column.name));
       value.units.push_back(std::move(column.unit));
     }
+    widths_.push_back(columns.size());
     size_ += columns.size();
     values_.push_back(std::move(value));
   }
@@ -30,7 +31,7 @@ WiredNumbers::WiredNumbers(const std::vector<Source>& sources) {
 void WiredNumbers::Store(const AnyValues& values, std::span<double> row) const {
   double* to = row.data();
   for (int i = 0; i < values.size(); ++i) {
-    const std::size_t n = values_[static_cast<std::size_t>(i)].elements.size();
+    const std::size_t n = widths_[static_cast<std::size_t>(i)];
     if (values.type(i).count(values[i]) == n) {
       values.type(i).store(values[i], to);
     } else {

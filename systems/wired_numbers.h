@@ -25,6 +25,7 @@ class WiredNumbers {
 
  private:
   std::vector<RecordedValue> values_;
+  std::vector<std::size_t> widths_;  // of the values, in numbers
   std::size_t size_ = 0;
 };
 

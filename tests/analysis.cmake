@@ -1,4 +1,5 @@
 find_package(nlohmann_json REQUIRED)
+find_package(ZLIB REQUIRED)
 
 pliant_test(analysis/figure_test.cc LIBRARIES pliant::analysis)
 pliant_test(analysis/linearize_test.cc LIBRARIES pliant::analysis)
@@ -12,6 +13,10 @@ pliant_test(analysis/compliance_prediction_test.cc LIBRARIES pliant::analysis)
 pliant_test(analysis/null_space_compliance_test.cc LIBRARIES pliant::analysis)
 pliant_test(analysis/work_precision_test.cc LIBRARIES pliant::analysis)
 pliant_test(analysis/integrator_study_test.cc LIBRARIES pliant::analysis)
+pliant_test(analysis/ros_schema_test.cc LIBRARIES pliant::analysis)
+pliant_test(analysis/row_ring_test.cc LIBRARIES pliant::analysis)
+pliant_test(analysis/mcap_log_test.cc LIBRARIES pliant::analysis ZLIB::ZLIB ${ZSTD_LIBRARY})
+target_include_directories(analysis_mcap_log_test SYSTEM PRIVATE ${ZSTD_INCLUDE})
 
 # Logs, read by the libraries of others.
 add_executable(analysis_mcap_sample analysis/mcap/sample.cc)

@@ -1,6 +1,7 @@
 pliant_test(systems/low_pass_test.cc LIBRARIES pliant::systems)
 pliant_test(systems/block_tester_test.cc LIBRARIES pliant::systems)
 pliant_test(systems/logger_test.cc LIBRARIES pliant::systems)
+pliant_test(systems/recorder_test.cc LIBRARIES pliant::systems)
 pliant_test(systems/ticks_test.cc LIBRARIES pliant::systems)
 pliant_test(systems/step_after_a_tick_test.cc LIBRARIES pliant::systems)
 pliant_test(systems/guards_test.cc LIBRARIES pliant::systems)
