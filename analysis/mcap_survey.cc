@@ -1,0 +1,269 @@
+#include "pliant/analysis/mcap_survey.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <optional>
+#include <utility>
+
+namespace pliant::internal {
+
+namespace {
+
+using Records = std::map<std::uint16_t, std::string>;
+
+/// The first of the records of a number counts.
+void Keep(Records& records, std::uint16_t id, Bytes content) {
+  records.try_emplace(id, reinterpret_cast<const char*>(content.data()), content.size());
+}
+
+class Surveyor {
+ public:
+  Surveyor(const McapFile& file, McapSurvey& survey)
+      : file_{file},
+        survey_{survey},
+        window_{file},
+        work_left_{kWorkPerByte * file.size() + kLargestRecord} {}
+
+  void Run() {
+    ReadSummary();
+    for (std::uint64_t at = kMcapMagic.size(); !ended_ && at < file_.size();) at = Step(at);
+    if (!ended_) Lose(file_.size(), 0, file_.At(file_.size()) + "the file ends without a footer");
+    survey_.schemas.merge(unchecked_schemas_);
+    survey_.channels.merge(unchecked_channels_);
+  }
+
+ private:
+  // What looks like a chunk among damaged bytes may be none. So much of it is unpacked, for each
+  // byte of the file, until the search is given up.
+  static constexpr std::uint64_t kWorkPerByte = 16;
+  static constexpr std::uint64_t kEmptyChunk = 40;  // without compression and records
+  static constexpr std::uint64_t kBlock = 64 << 10;
+
+  /// Reads the record at `at`; returns where the next one begins.
+  std::uint64_t Step(std::uint64_t at) {
+    std::optional<RecordHead> head;
+    try {
+      head = ReadHead(window_, at, file_.size());
+      // A right CRC vouches for a record's length too.
+      search_from_ = Take(*head) ? head->end() : at + 1;
+      return head->end();
+    } catch (const Error& error) {
+      if (head && head->op == Op::Chunk) ++survey_.losses.chunks_lost;
+      const std::uint64_t next =
+          head && IsRecord(head->end()) ? head->end() : FindChunk(search_from_);
+      Lose(at, next > at ? next - at : 0, error.what());
+      // The record before was said to be so long that it hid a chunk.
+      if (next < at && !survey_.kept.empty() && survey_.kept.back().end() > next)
+        survey_.kept.pop_back();
+      search_from_ = std::max(search_from_, at + 1);
+      return next;
+    }
+  }
+
+  /// True if a CRC says that the record is right.
+  bool Take(const RecordHead& head) {
+    switch (head.op) {
+      case Op::Header:
+        TakeHeader(head);
+        return false;
+      case Op::Schema: {
+        const ByteReader content = ReadContent(window_, head);
+        if (!IsInDamagedSummary())
+          Keep(unchecked_schemas_, SchemaRecord(content).id, ByteReader(content).Rest());
+        return false;
+      }
+      case Op::Channel: {
+        const ByteReader content = ReadContent(window_, head);
+        if (!IsInDamagedSummary())
+          Keep(unchecked_channels_, ChannelRecord(content).id, ByteReader(content).Rest());
+        return false;
+      }
+      case Op::Message: {
+        const MessageRecord message(ReadContent(window_, head));
+        KeepRecord(head, message.log_time, message.log_time);
+        return false;
+      }
+      case Op::Metadata:
+        static_cast<void>(MetadataRecord(ReadContent(window_, head)));
+        survey_.kept.push_back(head);
+        return false;
+      case Op::Attachment:
+        static_cast<void>(AttachmentRecord(ReadContent(window_, head)));
+        survey_.kept.push_back(head);
+        return false;
+      case Op::Chunk:
+        return TakeChunk(head);
+      case Op::DataEnd:
+        data_end_ = head.at;
+        data_crc_ = ReadContent(window_, head).Take<std::uint32_t>("the CRC of the data");
+        return false;
+      case Op::Footer:
+        TakeFooter(head);
+        return false;
+      case Op::MessageIndex:
+      case Op::ChunkIndex:
+      case Op::AttachmentIndex:
+      case Op::Statistics:
+      case Op::MetadataIndex:
+      case Op::SummaryOffset:
+        return false;  // made anew
+    }
+    throw Error(file_.At(head.at) + "no record begins here: its opcode is " +
+                Text(static_cast<int>(head.op)));
+  }
+
+  void TakeHeader(const RecordHead& head) {
+    if (head.at != kMcapMagic.size())
+      throw Error(file_.At(head.at) + "a header does not belong here");
+    ByteReader in = ReadContent(window_, head);
+    survey_.profile = in.TakeText("the profile");
+    survey_.library = in.TakeText("the library");
+  }
+
+  void TakeFooter(const RecordHead& head) {
+    const std::uint64_t left = file_.size() - head.end();
+    if (left != kMcapMagic.size() ||
+        std::memcmp(window_.At(head.end(), left).data(), kMcapMagic.data(), left) != 0)
+      throw Error(file_.At(head.end()) + "the end of the file must be \\x89MCAP0\\r\\n");
+    ended_ = true;
+    if (data_crc_ != 0 && survey_.losses.lost.empty() && file_.Crc(0, data_end_) != data_crc_)
+      Lose(data_end_, 0,
+           file_.At(data_end_) + "the data before it are damaged: wrong CRC; all chunks are right");
+  }
+
+  bool TakeChunk(const RecordHead& head) {
+    const ChunkHead chunk = ReadChunkHead(window_, head);
+    const std::string place = chunk.Place(file_);
+    const Bytes records = unpacker_.Unpack(window_, chunk);
+    const bool checked = chunk.crc != 0;
+    std::uint64_t from = UINT64_MAX, to = 0;
+    Records schemas, channels;
+    ForEachRecord(ByteReader(records, place, 0), place, [&](Op op, ByteReader content) {
+      if (op == Op::Schema) {
+        Keep(schemas, SchemaRecord(content).id, ByteReader(content).Rest());
+      } else if (op == Op::Channel) {
+        Keep(channels, ChannelRecord(content).id, ByteReader(content).Rest());
+      } else if (op == Op::Message) {
+        const MessageRecord message(content);
+        from = std::min(from, message.log_time);
+        to = std::max(to, message.log_time);
+      } else if (op <= Op::DataEnd) {
+        content.Fail("a " + NameOf(op) + " does not belong in a chunk");
+      }
+    });
+    (checked ? survey_.schemas : unchecked_schemas_).merge(schemas);
+    (checked ? survey_.channels : unchecked_channels_).merge(channels);
+    KeepRecord(head, from, to);
+    return checked;
+  }
+
+  /// With messages between these times, if from ≤ to.
+  void KeepRecord(const RecordHead& head, std::uint64_t from, std::uint64_t to) {
+    survey_.kept.push_back(head);
+    kept_since_loss_ = true;
+    if (from > to) return;
+    std::vector<LostPart>& lost = survey_.losses.lost;
+    if (!lost.empty() && !lost.back().before) lost.back().before = from;
+    last_time_ = std::max(last_time_.value_or(0), to);
+  }
+
+  void Lose(std::uint64_t at, std::uint64_t bytes, const std::string& fault) {
+    LogRepair& losses = survey_.losses;
+    losses.bytes_lost += bytes;
+    if (kept_since_loss_ || losses.lost.empty())
+      losses.lost.push_back({at, bytes, fault, last_time_, {}});
+    else
+      losses.lost.back().bytes += bytes;
+    kept_since_loss_ = false;
+  }
+
+  bool IsRecord(std::uint64_t at) {
+    if (at == file_.size()) return true;
+    try {
+      return ReadHead(window_, at, file_.size()).op <= Op::DataEnd;
+    } catch (const Error&) {
+      return false;
+    }
+  }
+
+  /// Where the next chunk with a right CRC begins; the end of the file if there is none.
+  std::uint64_t FindChunk(std::uint64_t from) {
+    McapWindow blocks(file_);
+    const std::uint64_t size = file_.size();
+    for (std::uint64_t at = from; at < size && size - at >= kRecordHead + kEmptyChunk; ++at) {
+      const Bytes block = blocks.At(at, std::min(kBlock, size - at));
+      const auto found = std::ranges::find(block, std::byte{static_cast<std::uint8_t>(Op::Chunk)});
+      at += static_cast<std::uint64_t>(found - block.begin());
+      if (found == block.end()) {
+        --at;
+        continue;
+      }
+      try {
+        const RecordHead head = ReadHead(window_, at, size);
+        if (head.length < kEmptyChunk) continue;
+        const ChunkHead chunk = ReadChunkHead(window_, head);
+        if (chunk.crc == 0 || chunk.records + chunk.records_size != head.end() ||
+            chunk.size > kLargestRecord)
+          continue;
+        const std::uint64_t work = chunk.records_size + chunk.size;
+        if (work > work_left_) return size;
+        work_left_ -= work;
+        unpacker_.Unpack(window_, chunk);
+        return at;
+      } catch (const Error&) {
+        continue;
+      }
+    }
+    return size;
+  }
+
+  /// The channels and schemas of an index whose CRC is right.
+  void ReadSummary() {
+    const std::uint64_t tail = kFooterRecord + kMcapMagic.size();
+    if (file_.size() < kMcapMagic.size() + tail) return;
+    try {
+      const std::uint64_t at = file_.size() - tail;
+      const RecordHead footer = ReadHead(window_, at, file_.size());
+      if (footer.op != Op::Footer || footer.end() + kMcapMagic.size() != file_.size()) return;
+      ByteReader in = ReadContent(window_, footer);
+      const auto begin = in.Take<std::uint64_t>("");
+      in.Take<std::uint64_t>("");
+      const auto crc = in.Take<std::uint32_t>("");
+      if (crc == 0 || begin == 0) return;
+      summary_damaged_ = begin > at || file_.Crc(begin, footer.end() - 4) != crc;
+      if (summary_damaged_) return;
+      for (std::uint64_t next = begin; next < at;) {
+        const RecordHead head = ReadHead(window_, next, at);
+        next = head.end();
+        const ByteReader content = ReadContent(window_, head);
+        if (head.op == Op::Schema)
+          Keep(survey_.schemas, SchemaRecord(content).id, ByteReader(content).Rest());
+        if (head.op == Op::Channel)
+          Keep(survey_.channels, ChannelRecord(content).id, ByteReader(content).Rest());
+      }
+    } catch (const Error&) {
+      return;  // then what the data say has to do
+    }
+  }
+
+  bool IsInDamagedSummary() const { return summary_damaged_ && data_end_ != 0; }
+
+  const McapFile& file_;
+  McapSurvey& survey_;
+  McapWindow window_;
+  Unpacker unpacker_;
+  std::uint64_t work_left_;
+  std::uint64_t search_from_ = kMcapMagic.size();
+  std::uint64_t data_end_ = 0;
+  std::uint32_t data_crc_ = 0;
+  bool summary_damaged_ = false, ended_ = false, kept_since_loss_ = false;
+  std::optional<std::uint64_t> last_time_;
+  Records unchecked_schemas_, unchecked_channels_;
+};
+
+}  // namespace
+
+McapSurvey::McapSurvey(const McapFile& file) { Surveyor(file, *this).Run(); }
+
+}  // namespace pliant::internal
