@@ -1,5 +1,11 @@
 find_package(nlohmann_json REQUIRED)
 
+pliant_test(analysis/export_test.cc LIBRARIES pliant::analysis)
+# The one that Debian's h5py is for; another may come first.
+find_program(PLIANT_PYTHON python3 PATHS /usr/bin NO_DEFAULT_PATH)
+find_program(PLIANT_PYTHON python3 REQUIRED)
+mark_as_advanced(PLIANT_PYTHON)
+target_compile_definitions(analysis_export_test PRIVATE PLIANT_PYTHON="${PLIANT_PYTHON}")
 pliant_test(analysis/figure_test.cc LIBRARIES pliant::analysis)
 pliant_test(analysis/linearize_test.cc LIBRARIES pliant::analysis)
 pliant_test(analysis/mcap_damage_test.cc LIBRARIES pliant::analysis)
