@@ -26,9 +26,10 @@ class Surveyor {
         work_left_{kWorkPerByte * file.size() + kLargestRecord} {}
 
   void Run() {
-    ReadSummary();
+    ReadSummary(0);
     for (std::uint64_t at = kMcapMagic.size(); !ended_ && at < file_.size();) at = Step(at);
     if (!ended_) Lose(file_.size(), 0, file_.At(file_.size()) + "the file ends without a footer");
+    if (!survey_.losses.lost.empty() && any_checked_) LoseUnchecked();
     survey_.schemas.merge(unchecked_schemas_);
     survey_.channels.merge(unchecked_channels_);
   }
@@ -81,22 +82,23 @@ class Surveyor {
       }
       case Op::Message: {
         const MessageRecord message(ReadContent(window_, head));
-        KeepRecord(head, message.log_time, message.log_time);
+        KeepRecord({head, false}, message.log_time, message.log_time);
         return false;
       }
       case Op::Metadata:
         static_cast<void>(MetadataRecord(ReadContent(window_, head)));
-        survey_.kept.push_back(head);
+        survey_.kept.push_back({head, false});
         return false;
       case Op::Attachment:
         static_cast<void>(AttachmentRecord(ReadContent(window_, head)));
-        survey_.kept.push_back(head);
+        survey_.kept.push_back({head, false});
         return false;
       case Op::Chunk:
         return TakeChunk(head);
       case Op::DataEnd:
         data_end_ = head.at;
         data_crc_ = ReadContent(window_, head).Take<std::uint32_t>("the CRC of the data");
+        if (summary_damaged_) ReadSummary(head.end());
         return false;
       case Op::Footer:
         TakeFooter(head);
@@ -154,13 +156,14 @@ class Surveyor {
     });
     (checked ? survey_.schemas : unchecked_schemas_).merge(schemas);
     (checked ? survey_.channels : unchecked_channels_).merge(channels);
-    KeepRecord(head, from, to);
+    any_checked_ = any_checked_ || checked;
+    KeepRecord({head, checked}, from, to);
     return checked;
   }
 
   /// With messages between these times, if from ≤ to.
-  void KeepRecord(const RecordHead& head, std::uint64_t from, std::uint64_t to) {
-    survey_.kept.push_back(head);
+  void KeepRecord(const McapSurvey::Kept& record, std::uint64_t from, std::uint64_t to) {
+    survey_.kept.push_back(record);
     kept_since_loss_ = true;
     if (from > to) return;
     std::vector<LostPart>& lost = survey_.losses.lost;
@@ -176,6 +179,20 @@ class Surveyor {
     else
       losses.lost.back().bytes += bytes;
     kept_since_loss_ = false;
+  }
+
+  void LoseUnchecked() {
+    std::uint64_t bytes = 0;
+    std::erase_if(survey_.kept, [&](const McapSurvey::Kept& kept) {
+      if (kept.checked || (kept.op != Op::Chunk && kept.op != Op::Message)) return false;
+      if (kept.op == Op::Chunk) ++survey_.losses.chunks_lost;
+      bytes += kRecordHead + kept.length;
+      return true;
+    });
+    if (bytes == 0) return;
+    survey_.losses.bytes_lost += bytes;
+    survey_.losses.lost.push_back(
+        {0, bytes, file_.name() + ": messages without a CRC in a damaged log", {}, {}});
   }
 
   bool IsRecord(std::uint64_t at) {
@@ -218,8 +235,9 @@ class Surveyor {
     return size;
   }
 
-  /// The channels and schemas of an index whose CRC is right.
-  void ReadSummary() {
+  /// Believes the channels and schemas of the index if its CRC is right. It begins where the footer
+  /// says or, if bytes have been lost or added, at `begin`.
+  void ReadSummary(std::uint64_t begin) {
     const std::uint64_t tail = kFooterRecord + kMcapMagic.size();
     if (file_.size() < kMcapMagic.size() + tail) return;
     try {
@@ -227,11 +245,12 @@ class Surveyor {
       const RecordHead footer = ReadHead(window_, at, file_.size());
       if (footer.op != Op::Footer || footer.end() + kMcapMagic.size() != file_.size()) return;
       ByteReader in = ReadContent(window_, footer);
-      const auto begin = in.Take<std::uint64_t>("");
+      const auto said = in.Take<std::uint64_t>("");
       in.Take<std::uint64_t>("");
       const auto crc = in.Take<std::uint32_t>("");
+      if (begin == 0) begin = said;
       if (crc == 0 || begin == 0) return;
-      summary_damaged_ = begin > at || file_.Crc(begin, footer.end() - 4) != crc;
+      summary_damaged_ = begin > at || file_.Crc(begin, footer.end() - sizeof crc) != crc;
       if (summary_damaged_) return;
       for (std::uint64_t next = begin; next < at;) {
         const RecordHead head = ReadHead(window_, next, at);
@@ -257,7 +276,7 @@ class Surveyor {
   std::uint64_t search_from_ = kMcapMagic.size();
   std::uint64_t data_end_ = 0;
   std::uint32_t data_crc_ = 0;
-  bool summary_damaged_ = false, ended_ = false, kept_since_loss_ = false;
+  bool summary_damaged_ = false, ended_ = false, kept_since_loss_ = false, any_checked_ = false;
   std::optional<std::uint64_t> last_time_;
   Records unchecked_schemas_, unchecked_channels_;
 };

@@ -10,11 +10,16 @@
 
 namespace pliant::internal {
 
-/// What of a file can be read, however damaged it is.
+/// What of a file can be read, however damaged it is. Where chunks have CRCs, messages without one
+/// are not believed if anything is damaged.
 struct McapSurvey {
+  struct Kept : RecordHead {
+    bool checked;  ///< a CRC says that it is right
+  };
+
   std::string profile, library;
   std::map<std::uint16_t, std::string> schemas, channels;  ///< the contents of their records
-  std::vector<RecordHead> kept;  ///< chunks, and messages, metadata and attachments outside of them
+  std::vector<Kept> kept;  ///< chunks, and messages, metadata and attachments outside of them
   LogRepair losses;
 
   explicit McapSurvey(const McapFile& file);

@@ -9,6 +9,8 @@ target_compile_definitions(analysis_export_test PRIVATE PLIANT_PYTHON="${PLIANT_
 pliant_test(analysis/figure_test.cc LIBRARIES pliant::analysis)
 pliant_test(analysis/linearize_test.cc LIBRARIES pliant::analysis)
 pliant_test(analysis/mcap_damage_test.cc LIBRARIES pliant::analysis)
+pliant_test(analysis/mcap_reader_test.cc LIBRARIES pliant::analysis)
+pliant_test(analysis/mcap_repair_test.cc LIBRARIES pliant::analysis)
 pliant_test(analysis/recording_test.cc LIBRARIES pliant::analysis)
 pliant_test(analysis/report_test.cc LIBRARIES pliant::analysis nlohmann_json::nlohmann_json)
 pliant_test(analysis/with_unit_test.cc LIBRARIES pliant::analysis)

@@ -16,6 +16,7 @@
 #include "pliant/analysis/mcap_repair.h"
 #include "pliant/analysis/recording.h"
 #include "pliant/systems/error.h"
+#include "pliant/tests/support/mcap_bytes.h"
 #include "pliant/tests/support/temporary_directory.h"
 
 namespace pliant {
@@ -38,8 +39,7 @@ std::set<Row> RowsOf(const RecordedSignal& signal) {
 /// A log whose bytes a test may damage.
 class Damage {
  public:
-  explicit Damage(const std::string& name)
-      : bytes{ReadText(std::filesystem::path(PLIANT_SOURCE_DIR) / "tests/analysis/data" / name)} {
+  explicit Damage(const std::string& name) : bytes{ReadText(LogOf(name))} {
     const Recording run = Write(bytes);
     for (const RecordedSignal& signal : run.signals())
       written_.emplace(signal.path, std::pair(signal, RowsOf(signal)));
@@ -71,6 +71,12 @@ class Damage {
     return rows;
   }
 
+  int rows() const {
+    int count = 0;
+    for (const auto& [path, written] : written_) count += static_cast<int>(written.second.size());
+    return count;
+  }
+
   const std::string bytes;
 
  private:
@@ -99,19 +105,6 @@ class Damage {
   std::map<std::string, std::pair<RecordedValue, std::set<Row>>> written_;
 };
 
-/// Where the records begin.
-std::vector<std::size_t> Boundaries(const std::string& bytes) {
-  std::vector<std::size_t> at;
-  for (std::size_t next = 8; next + 9 <= bytes.size();) {
-    at.push_back(next);
-    std::uint64_t length;
-    std::memcpy(&length, bytes.data() + next + 1, sizeof length);
-    if (length > bytes.size()) break;  // the end of the file is no record
-    next += 9 + length;
-  }
-  return at;
-}
-
 int Rounds() {
   const char* rounds = std::getenv("PLIANT_DAMAGE_ROUNDS");
   return rounds ? std::atoi(rounds) : 500;
@@ -123,26 +116,27 @@ TEST_P(DamagedLog, CutAnywhereGivesWhatWasWrittenBefore) {
   Damage damage(GetParam());
   int rows = -1;
   std::set<std::size_t> sizes{0, 1, 7, 8, damage.bytes.size() - 1};
-  for (const std::size_t at : Boundaries(damage.bytes))
-    for (const std::size_t size : {at - 1, at, at + 1, at + 8, at + 9, at + 20})
-      if (size < damage.bytes.size()) sizes.insert(size);
+  for (const McapBytes& record : RecordsOf(damage.bytes))
+    for (const std::size_t past : {0, 1, 2, 9, 10, 21})
+      if (const std::size_t size = record.at + past - 1; size < damage.bytes.size())
+        sizes.insert(size);
   for (std::size_t size = 0; size < damage.bytes.size(); size += 13) sizes.insert(size);
   for (const std::size_t size : sizes) {
     const int now = damage.Try(damage.bytes.substr(0, size));
     EXPECT_GE(now, rows) << "cut at byte " << size;  // more of a file never holds fewer rows
     rows = now;
   }
-  EXPECT_EQ(rows, 55);
+  EXPECT_EQ(rows, damage.rows());
 }
 
 TEST_P(DamagedLog, WrongLengthsAreSurvived) {
   Damage damage(GetParam());
-  for (const std::size_t at : Boundaries(damage.bytes)) {
+  for (const auto& [op, at, old] : RecordsOf(damage.bytes)) {
     const std::vector<std::uint64_t> lengths{0,          1,     1ull << 30,    (1ull << 30) + 1,
                                              1ull << 62, ~0ull, ~0ull - at - 8};
     for (const std::uint64_t length : lengths) {
       std::string bytes = damage.bytes;
-      std::memcpy(bytes.data() + at + 1, &length, sizeof length);
+      Overwrite(bytes, at + 1, length);
       damage.Try(bytes);
     }
   }
@@ -189,7 +183,8 @@ TEST_P(DamagedLog, RandomFaultsAreSurvived) {
 }
 
 INSTANTIATE_TEST_SUITE_P(AnyLayout, DamagedLog,
-                         testing::Values("plain.mcap", "zstd.mcap", "lz4.mcap", "no_index.mcap"),
+                         testing::Values("plain.mcap", "zstd.mcap", "lz4.mcap", "no_index.mcap",
+                                         "mcap_log.mcap"),
                          [](const auto& test) {
                            return test.param.substr(0, test.param.find('.'));
                          });

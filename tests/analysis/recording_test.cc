@@ -4,6 +4,7 @@
 #include <string>
 
 #include "pliant/tests/support/error_of.h"
+#include "pliant/tests/support/mcap_bytes.h"
 
 namespace pliant {
 namespace {
@@ -11,10 +12,6 @@ namespace {
 using testing::ElementsAre;
 using testing::EndsWith;
 using testing::HasSubstr;
-
-std::filesystem::path Data(const std::string& name) {
-  return std::filesystem::path(PLIANT_SOURCE_DIR) / "tests/analysis/data" / name;
-}
 
 RecordedSignal Force() {
   return {{"arm.push", "force", {".force[x]", ".force[y]", ".on"}, {"N", "N", ""}},
@@ -25,7 +22,7 @@ RecordedSignal Force() {
 class RecordingOf : public testing::TestWithParam<std::string> {};
 
 TEST_P(RecordingOf, HasTheNumbersThatAnotherWriterWrote) {
-  const Recording run = Recording::Read(Data(GetParam()));
+  const Recording run = Recording::Read(LogOf(GetParam()));
   ASSERT_EQ(run.signals().size(), 2u);
 
   const RecordedSignal& v = run["arm.measured_velocity"];
@@ -55,6 +52,21 @@ INSTANTIATE_TEST_SUITE_P(AnyLayout, RecordingOf,
                            return test.param.substr(0, test.param.find('.'));
                          });
 
+TEST(Recording, HasAllThatMcapLogWrote) {
+  const Recording run = Recording::Read(LogOf("mcap_log.mcap"));
+  ASSERT_EQ(run.signals().size(), 3u);
+  EXPECT_EQ(run["arm.measured_velocity"].numbers,
+            Recording::Read(LogOf("zstd.mcap"))["arm.measured_velocity"].numbers);
+  const RecordedSignal& push = run["arm.push"];
+  EXPECT_EQ(static_cast<RecordedValue>(push),
+            (RecordedValue{"arm.push", "wrench", {".force[x]", ".torque[x]"}, {"N", "N·m"}}));
+  for (int k = 0; k < 50; ++k) EXPECT_EQ(push.numbers(0, k), std::sin(k));
+  EXPECT_TRUE(std::isnan(push["torque.x"](3)));
+  EXPECT_EQ(push["torque.x"](4), 0);
+  EXPECT_EQ(run.metadata().at("pliant").at("scenario"), "joint: 1 # ü\n");
+  EXPECT_EQ(run.robot_description(), "");
+}
+
 TEST(Recording, FindsAnElementWithOrWithoutBracketsAndDot) {
   const RecordedSignal push = Force();
   for (const char* name : {".force[y]", "force[y]", "force.y"})
@@ -73,7 +85,7 @@ TEST(Recording, NamesTheNearestPathAndElement) {
 }
 
 TEST(Recording, SaysWhatALogOfOthersHolds) {
-  const std::string file = Data("foreign.mcap").string();
+  const std::string file = LogOf("foreign.mcap").string();
   EXPECT_EQ(ErrorOf([&] { Recording::Read(file); }),
             file +
                 " is an MCAP file of '@mcap/core 2.2.2' and holds no recording of pliant\n"
@@ -86,8 +98,8 @@ TEST(Recording, SaysWhatALogOfOthersHolds) {
 TEST(Recording, NamesAFileThatIsNone) {
   EXPECT_EQ(ErrorOf([] { Recording::Read("none.mcap"); }),
             "cannot read none.mcap: No such file or directory");
-  EXPECT_THAT(ErrorOf([] { Recording::Read(Data("")); }), EndsWith(": it is not a file"));
-  EXPECT_THAT(ErrorOf([] { Recording::Read(Data("README.md")); }),
+  EXPECT_THAT(ErrorOf([] { Recording::Read(LogOf("")); }), EndsWith(": it is not a file"));
+  EXPECT_THAT(ErrorOf([] { Recording::Read(LogOf("README.md")); }),
               EndsWith(": not an MCAP file: it does not begin with \\x89MCAP0\\r\\n"));
 }
 
