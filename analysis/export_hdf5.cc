@@ -2,12 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
-#include <cstring>
-#include <functional>
+#include <cstddef>
+#include <string>
 #include <string_view>
-#include <system_error>
-#include <utility>
 
 #include "pliant/analysis/export.h"
 #include "pliant/analysis/write_file.h"
@@ -20,6 +17,7 @@ using namespace internal;
 namespace {
 
 constexpr hsize_t kChunkRows = 1000;
+constexpr std::size_t kGrowth = 1 << 20;  // of the file in memory
 constexpr unsigned kDeflate = 1;  // noise of sensors is packed hardly better at higher levels
 
 /// While it lives, HDF5 prints nothing of its own.
@@ -38,7 +36,7 @@ class Quiet {
   void* data_ = nullptr;
 };
 
-/// What went wrong at the bottom of the library; where it was the system, what that says.
+/// What went wrong at the bottom of the library.
 std::string Reason() {
   std::string reason;
   const auto first = [](unsigned, const H5E_error2_t* error, void* text) -> herr_t {
@@ -47,11 +45,6 @@ std::string Reason() {
     return 0;
   };
   H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, first, &reason);
-  constexpr std::string_view kSystem = "error message = '";
-  if (const std::size_t at = reason.find(kSystem); at != std::string::npos) {
-    const std::size_t begin = at + kSystem.size();
-    return reason.substr(begin, reason.find('\'', begin) - begin);
-  }
   return reason.empty() ? "HDF5 does not say why" : reason;
 }
 
@@ -64,18 +57,15 @@ hid_t Checked(hid_t id) {
 class Handle {
  public:
   Handle(hid_t id, herr_t (*close)(hid_t)) : id_{Checked(id)}, close_{close} {}
-  ~Handle() {
-    if (id_ >= 0) close_(id_);
-  }
+  ~Handle() { close_(id_); }
   Handle(const Handle&) = delete;
   Handle& operator=(const Handle&) = delete;
 
   operator hid_t() const { return id_; }
-  void Close() { Checked(close_(std::exchange(id_, -1))); }
 
  private:
-  hid_t id_;
-  herr_t (*close_)(hid_t);
+  const hid_t id_;
+  herr_t (*const close_)(hid_t);
 };
 
 /// An array of words, or a single one if it is `scalar`.
@@ -113,11 +103,10 @@ void WriteNumbers(hid_t where, const char* name, const double* numbers, hsize_t 
   Checked(H5Pset_shuffle(how));
   Checked(H5Pset_deflate(how, kDeflate));
   Checked(H5Pset_obj_track_times(how, false));  // the same recording gives the same bytes
-  Handle data(H5Dcreate2(where, name, H5T_IEEE_F64LE, space, H5P_DEFAULT, how, H5P_DEFAULT),
-              H5Dclose);
+  const Handle data(H5Dcreate2(where, name, H5T_IEEE_F64LE, space, H5P_DEFAULT, how, H5P_DEFAULT),
+                    H5Dclose);
   if (rows > 0) Checked(H5Dwrite(data, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, numbers));
   if (!unit.empty()) WriteWord(data, "unit", std::string(unit));
-  data.Close();  // shows whether the chunks could be written
 }
 
 /// A group and those above it, the parts of its name between dots or slashes.
@@ -145,21 +134,26 @@ std::string GroupOf(const std::string& path) {
   std::ranges::replace(group, '.', '/');
   if (path.empty() || path.find_first_of(std::string_view("/\0", 2)) != std::string::npos ||
       group.ends_with('/') || group.find("//") != std::string::npos)
-    throw Error("a path must be names with dots between them");
+    throw Error("a signal's path must be names with dots between them, got '" + path + "'");
   return group;
 }
 
-Handle MakeGroupOf(const RecordedSignal& signal, hid_t file) {
-  try {
-    return MakeGroup(file, GroupOf(signal.path));
-  } catch (const Error& error) {
-    throw Error("no group for the signal '" + signal.path + "': " + error.what());
-  }
+/// A signal in the group of another one must not have the name of what the other writes there.
+void RequireDifferentPlaces(const Recording& recording) {
+  for (const RecordedSignal& signal : recording.signals())
+    for (const char* const name : {".time", ".data"}) {
+      const std::string taken = signal.path + name;
+      for (const RecordedSignal& other : recording.signals())
+        if (other.path == taken || other.path.starts_with(taken + "."))
+          throw Error("the numbers of '" + signal.path + "' and the signal '" + other.path +
+                      "' would both be " + GroupOf(taken));
+    }
 }
 
 void Write(const Recording& recording, hid_t file) {
+  RequireDifferentPlaces(recording);
   for (const RecordedSignal& signal : recording.signals()) {
-    const Handle group = MakeGroupOf(signal, file);
+    const Handle group = MakeGroup(file, GroupOf(signal.path));
     WriteWord(group, "type", signal.type);
     WriteWords(group, "elements", signal.elements);
     WriteWords(group, "units", signal.units);
@@ -179,38 +173,36 @@ void Write(const Recording& recording, hid_t file) {
     WriteWord(file, "robot_description", recording.robot_description());
 }
 
-/// A file on the way to its place; gone if it does not get there.
-class Part {
- public:
-  explicit Part(const std::filesystem::path& file) : path{file.string() + ".part"} {}
-  ~Part() {
-    std::error_code ignored;
-    std::filesystem::remove(path, ignored);
-  }
-  Part(const Part&) = delete;
-  Part& operator=(const Part&) = delete;
-
-  const std::filesystem::path path;
-};
+/// The bytes of the file. They are made in memory: the library does not get over a full disk.
+std::string Image(const Recording& recording) {
+  const Handle in_memory(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  Checked(H5Pset_fapl_core(in_memory, kGrowth, /*backing_store=*/false));
+  const Handle how(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
+  Checked(H5Pset_obj_track_times(how, false));
+  const Handle file(H5Fcreate("recording", H5F_ACC_TRUNC, how, in_memory), H5Fclose);
+  Write(recording, file);
+  Checked(H5Fflush(file, H5F_SCOPE_GLOBAL));
+  const ssize_t size = H5Fget_file_image(file, nullptr, 0);
+  if (size < 0) throw Error(Reason());
+  std::string image(static_cast<std::size_t>(size), '\0');
+  if (H5Fget_file_image(file, image.data(), image.size()) < 0) throw Error(Reason());
+  return image;
+}
 
 }  // namespace
 
 void ExportHdf5(const Recording& recording, const std::filesystem::path& file, bool force) {
   RequireNewFile(file, force);
-  const Part part(file);
-  const Quiet quiet;
+  std::string image;
   try {
-    const Handle how(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
-    Checked(H5Pset_obj_track_times(how, false));
-    Handle out(H5Fcreate(part.path.c_str(), H5F_ACC_TRUNC, how, H5P_DEFAULT), H5Fclose);
-    Write(recording, out);
-    out.Close();  // a full disk may show only now
-    std::filesystem::rename(part.path, file);
+    const Quiet quiet;
+    image = Image(recording);
   } catch (const Error& error) {
     throw Error("cannot write " + file.string() + ": " + error.what());
-  } catch (const std::filesystem::filesystem_error& error) {
-    throw Error("cannot write " + file.string() + ": " + error.code().message());
   }
+  PartFile part(file);
+  part.Write(image);
+  part.MoveIntoPlace();
 }
 
 }  // namespace pliant

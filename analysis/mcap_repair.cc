@@ -22,6 +22,10 @@ Bytes BytesOf(std::string_view text) { return std::as_bytes(std::span(text)); }
 
 std::string Seconds(std::uint64_t ns) { return Text(1e-9 * static_cast<double>(ns)) + " s"; }
 
+std::string Count(std::uint64_t number, const std::string& what) {
+  return Text(number) + ' ' + what + (number == 1 ? "" : "s");
+}
+
 using Records = std::map<std::uint16_t, std::string>;
 
 bool IsIn(const Records& records, std::uint16_t id, ByteReader content) {
@@ -103,10 +107,11 @@ void AddMetadata(McapCopy& copy, std::string_view name,
 }  // namespace
 
 std::string LogRepair::text() const {
-  std::string text = "kept " + Text(messages) + " messages in " + Text(chunks) + " chunks";
-  if (messages_lost > 0) text += "\nlost " + Text(messages_lost) + " messages of unknown channels";
+  std::string text = "kept " + Count(messages, "message") + " in " + Count(chunks, "chunk");
+  if (messages_lost > 0)
+    text += "\nlost " + Count(messages_lost, "message") + " of unknown channels";
   for (const LostPart& part : lost) {
-    text += "\nlost " + Text(part.bytes) + " bytes";
+    text += "\nlost " + Count(part.bytes, "byte");
     if (part.after) text += " after " + Seconds(*part.after);
     if (part.before) text += (part.after ? " and before " : " before ") + Seconds(*part.before);
     text += ": " + part.fault;

@@ -28,7 +28,8 @@ class Surveyor {
   void Run() {
     ReadSummary(0);
     for (std::uint64_t at = kMcapMagic.size(); !ended_ && at < file_.size();) at = Step(at);
-    if (!ended_) Lose(file_.size(), 0, file_.At(file_.size()) + "the file ends without a footer");
+    if (!ended_)
+      Lose(file_.size(), 0, file_.At(file_.size()) + "the file ends without a footer" + DataEnd());
     if (!survey_.losses.lost.empty() && any_checked_) LoseUnchecked();
     survey_.schemas.merge(unchecked_schemas_);
     survey_.channels.merge(unchecked_channels_);
@@ -53,7 +54,7 @@ class Surveyor {
       if (head && head->op == Op::Chunk) ++survey_.losses.chunks_lost;
       const std::uint64_t next =
           head && IsRecord(head->end()) ? head->end() : FindChunk(search_from_);
-      Lose(at, next > at ? next - at : 0, error.what());
+      Lose(at, next > at ? next - at : 0, error.what() + DataEnd());
       // The record before was said to be so long that it hid a chunk.
       if (next < at && !survey_.kept.empty() && survey_.kept.back().end() > next)
         survey_.kept.pop_back();
@@ -179,6 +180,10 @@ class Surveyor {
     else
       losses.lost.back().bytes += bytes;
     kept_since_loss_ = false;
+  }
+
+  std::string DataEnd() const {
+    return data_end_ == 0 ? "" : "; all data come before it, only the index is lost";
   }
 
   void LoseUnchecked() {

@@ -152,11 +152,23 @@ TEST_F(Export, TheSameRecordingGivesTheSameBytes) {
   EXPECT_EQ(ReadText(h5_), first);
 }
 
+TEST_F(Export, ASignalInThePlaceOfNumbersIsNamed) {
+  const auto signal = [](const char* path) {
+    return RecordedSignal{{path, "double", {""}, {""}}, {}, Eigen::MatrixXd(1, 0)};
+  };
+  for (const Recording& run : {Recording({signal("a"), signal("a.data.b")}, {}),
+                               Recording({signal("a.data.b"), signal("a")}, {})})
+    EXPECT_EQ(ErrorOf([&] { ExportHdf5(run, h5_); }),
+              "cannot write " + h5_.string() +
+                  ": the numbers of 'a' and the signal 'a.data.b' would both be /a/data");
+  ExportHdf5(Recording({signal("a"), signal("a.database"), signal("b.a")}, {}), h5_);
+}
+
 TEST_F(Export, APathThatGivesNoGroupIsNamed) {
   const Recording run({{{"a..b", "double", {""}, {""}}, {}, Eigen::MatrixXd(1, 0)}}, {});
   EXPECT_EQ(ErrorOf([&] { ExportHdf5(run, h5_); }),
             "cannot write " + h5_.string() +
-                ": no group for the signal 'a..b': a path must be names with dots between them");
+                ": a signal's path must be names with dots between them, got 'a..b'");
 }
 
 }  // namespace

@@ -15,7 +15,7 @@ namespace {
 using testing::HasSubstr;
 
 constexpr std::uint64_t kMs = 1'000'000;
-enum Op { Channel = 4, Chunk = 6, Metadata = 12 };
+enum Op { Chunk = 6, DataEnd = 15 };
 
 class RepairLogTest : public testing::Test {
  protected:
@@ -75,11 +75,30 @@ TEST_F(RepairLogTest, KeepsTheChunksBeforeTheCut) {
   const LogRepair all = Repair(bytes.substr(0, chunk.end()));
   EXPECT_EQ(all.messages, 105u);
   EXPECT_EQ(all.text(),
-            "kept 105 messages in 1 chunks\nlost 0 bytes after 0.049 s: " + from_.string() +
+            "kept 105 messages in 1 chunk\nlost 0 bytes after 0.049 s: " + from_.string() +
                 ": at byte " + std::to_string(chunk.end()) + ": the file ends without a footer");
   const McapReader log(to_);
   EXPECT_EQ(log.metadata().at("pliant").at("seed"), "7");
   EXPECT_EQ(log.metadata().at("repair").at("messages kept"), "105");
+}
+
+TEST_F(RepairLogTest, SaysThatOnlyTheIndexIsLost) {
+  const std::string bytes = ReadText(LogOf("zstd.mcap"));
+  const McapBytes data_end = RecordOf(bytes, DataEnd);
+  EXPECT_THAT(
+      Repair(bytes.substr(0, data_end.end() + 3)).text(),
+      testing::EndsWith("within a record; all data come before it, only the index is lost"));
+}
+
+TEST_F(RepairLogTest, BelievesNoMessageWithoutCrcInADamagedLog) {
+  std::string bytes = ReadText(LogOf("plain.mcap"));
+  const McapBytes first = RecordOf(bytes, Chunk), second = RecordOf(bytes, Chunk, 1);
+  Overwrite(bytes, first.at + 9 + 24, std::uint32_t{0});  // its CRC
+  EXPECT_EQ(Repair(bytes).messages, 56u - 18u);  // the CRC of all data shows that there is damage
+  bytes[second.end() - 1] ^= 1;
+  const LogRepair repair = Repair(bytes);
+  EXPECT_EQ(repair.chunks_lost, 2u);
+  EXPECT_THAT(repair.text(), HasSubstr(": messages without a CRC in a damaged log"));
 }
 
 TEST_F(RepairLogTest, SkipsADamagedChunkAndSaysWhatIsLost) {
