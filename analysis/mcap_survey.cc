@@ -4,6 +4,7 @@
 #include <array>
 #include <cstring>
 #include <optional>
+#include <string_view>
 #include <utility>
 
 namespace pliant::internal {
@@ -166,6 +167,7 @@ class Surveyor {
   void KeepRecord(const McapSurvey::Kept& record, std::uint64_t from, std::uint64_t to) {
     survey_.kept.push_back(record);
     kept_since_loss_ = true;
+    data_end_ = 0;  // it was none
     if (from > to) return;
     std::vector<LostPart>& lost = survey_.losses.lost;
     if (!lost.empty() && !lost.back().before) lost.back().before = from;
@@ -209,35 +211,50 @@ class Surveyor {
     }
   }
 
+  /// Throws nothing, as there may be a gigabyte of what looks like nothing.
+  bool MayBeChunk(std::uint64_t at) {
+    const std::uint64_t left = file_.size() - at - kRecordHead;
+    ByteReader in(window_.At(at, kRecordHead + kEmptyChunk), file_.place(), at);
+    in.Take<Op>("");
+    const auto length = in.Take<std::uint64_t>("");
+    const auto from = in.Take<std::uint64_t>(""), to = in.Take<std::uint64_t>("");
+    const auto size = in.Take<std::uint64_t>("");
+    const auto crc = in.Take<std::uint32_t>("");
+    const auto compression = in.Take<std::uint32_t>("");
+    return length >= kEmptyChunk && length <= left && from <= to && size <= kLargestRecord &&
+           crc != 0 && compression <= std::string_view("zstd").size();
+  }
+
+  bool IsChunk(std::uint64_t at) {
+    if (!MayBeChunk(at)) return false;
+    try {
+      const RecordHead head = ReadHead(window_, at, file_.size());
+      const ChunkHead chunk = ReadChunkHead(window_, head);
+      const std::uint64_t work = chunk.records_size + chunk.size;
+      if (chunk.records + chunk.records_size != head.end() || work > work_left_) return false;
+      work_left_ -= work;
+      unpacker_.Unpack(window_, chunk);
+      return true;
+    } catch (const Error&) {
+      return false;
+    }
+  }
+
   /// Where the next chunk with a right CRC begins; the end of the file if there is none.
   std::uint64_t FindChunk(std::uint64_t from) {
+    constexpr std::byte kChunk{static_cast<std::uint8_t>(Op::Chunk)};
+    constexpr std::uint64_t kLeast = kRecordHead + kEmptyChunk;
     McapWindow blocks(file_);
-    const std::uint64_t size = file_.size();
-    for (std::uint64_t at = from; at < size && size - at >= kRecordHead + kEmptyChunk; ++at) {
-      const Bytes block = blocks.At(at, std::min(kBlock, size - at));
-      const auto found = std::ranges::find(block, std::byte{static_cast<std::uint8_t>(Op::Chunk)});
-      at += static_cast<std::uint64_t>(found - block.begin());
-      if (found == block.end()) {
-        --at;
-        continue;
+    for (std::uint64_t begin = from; begin + kLeast <= file_.size();) {
+      const Bytes block = blocks.At(begin, std::min(kBlock, file_.size() - begin));
+      for (auto i = std::ranges::find(block, kChunk); i != block.end();
+           i = std::find(i + 1, block.end(), kChunk)) {
+        const std::uint64_t at = begin + static_cast<std::uint64_t>(i - block.begin());
+        if (at + kLeast <= file_.size() && IsChunk(at)) return at;
       }
-      try {
-        const RecordHead head = ReadHead(window_, at, size);
-        if (head.length < kEmptyChunk) continue;
-        const ChunkHead chunk = ReadChunkHead(window_, head);
-        if (chunk.crc == 0 || chunk.records + chunk.records_size != head.end() ||
-            chunk.size > kLargestRecord)
-          continue;
-        const std::uint64_t work = chunk.records_size + chunk.size;
-        if (work > work_left_) return size;
-        work_left_ -= work;
-        unpacker_.Unpack(window_, chunk);
-        return at;
-      } catch (const Error&) {
-        continue;
-      }
+      begin += block.size();
     }
-    return size;
+    return file_.size();
   }
 
   /// Believes the channels and schemas of the index if its CRC is right. It begins where the footer
