@@ -24,10 +24,10 @@ class McapLog final : public RecordSink {
     bool force = false;  ///< write over a file that is there
     /// Maps of words by the name of the record, such as "pliant": {"version": …, "scenario": …}.
     std::map<std::string, std::map<std::string, std::string>> metadata = {};
-    std::optional<RobotModel> robot = {};  ///< for /tf
-    std::string robot_description = {};    ///< URDF, for /robot_description
+    std::optional<RobotModel> robot = {};                   ///< for /tf
+    std::string robot_description = {};                     ///< URDF, for /robot_description
     std::string position = {}, velocity = {}, torque = {};  ///< paths, for /joint_states and /tf
-    Full full = Full::Wait;           ///< simulation waits for the disk, a robot does not
+    Full full = Full::Wait;  ///< simulation waits for the disk, a robot does not
     std::size_t ring_bytes = 8 << 20;
   };
 

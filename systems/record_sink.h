@@ -26,8 +26,8 @@ class RecordSink {
   virtual int Open(std::vector<RecordedValue> values) = 0;
 
   /// Room for a row at `time_ns`: the numbers of all values of the stream, one after the other.
-  /// Empty if the row is dropped. One thread calls it, in a tick: it does not throw and, if the sink
-  /// is made for real time, neither allocates nor waits.
+  /// Empty if the row is dropped. One thread calls it, in a tick: it does not throw and, if the
+  /// sink is made for real time, neither allocates nor waits.
   virtual std::span<double> Begin(int stream, std::int64_t time_ns) noexcept = 0;
   /// After Begin has given room and it was filled.
   virtual void Commit() noexcept = 0;
