@@ -6,16 +6,16 @@ void McapChannels::AddSchema(const ByteReader& content) {
   const SchemaRecord schema(content);
   const auto [at, added] = schemas_.try_emplace(schema.id, schema);
   if (!added && at->second != schema)
-    content.Fail("two schemas have the number " + Text(schema.id) + ": " + at->second.name +
-                 " and " + schema.name);
+    content.Fail("two schemas have the number " + Text(schema.id) + ": " +
+                 Printable(at->second.name) + " and " + Printable(schema.name));
 }
 
 void McapChannels::AddChannel(const ByteReader& content) {
   const ChannelRecord channel(content);
   const auto [at, added] = channels_.try_emplace(channel.id, channel);
   if (!added && at->second != channel)
-    content.Fail("two channels have the number " + Text(channel.id) + ": " + at->second.topic +
-                 " and " + channel.topic);
+    content.Fail("two channels have the number " + Text(channel.id) + ": " +
+                 Printable(at->second.topic) + " and " + Printable(channel.topic));
 }
 
 void McapChannels::RequireKnown(std::uint16_t channel, const ByteReader& message) const {

@@ -11,6 +11,7 @@
 #include <array>
 #include <bit>
 #include <cerrno>
+#include <cstdio>
 #include <new>
 #include <utility>
 
@@ -76,6 +77,20 @@ std::string NameOf(Op op) {
       "statistics", "metadata",      "metadata index", "summary offset", "data end"};
   const auto i = static_cast<std::size_t>(op);
   return i >= 1 && i <= kNames.size() ? kNames[i - 1] : "record of opcode " + Text(i);
+}
+
+std::string Printable(std::string_view word) {
+  std::string text;
+  for (const char c : word) {
+    if (c >= 0 && (c < ' ' || c == '\x7f')) {
+      std::array<char, 5> code;
+      std::snprintf(code.data(), code.size(), "\\x%02x", static_cast<unsigned>(c));
+      text += code.data();
+    } else {
+      text += c;
+    }
+  }
+  return text;
 }
 
 std::uint32_t Crc32(Bytes bytes, std::uint32_t begun) {
@@ -226,6 +241,20 @@ MessageRecord::MessageRecord(ByteReader in)
 MetadataRecord::MetadataRecord(ByteReader in)
     : name{in.TakeText("the name of metadata")}, words{in.TakeMap("metadata")} {}
 
+AttachmentRecord::AttachmentRecord(ByteReader in) {
+  ByteReader all = in;
+  log_time = in.Take<std::uint64_t>("the time of an attachment");
+  create_time = in.Take<std::uint64_t>("the time of an attachment");
+  name = in.TakeText("the name of an attachment");
+  media_type = in.TakeText("the type of an attachment");
+  data_size = in.Take<std::uint64_t>("an attachment");
+  in.TakeBytes(data_size, "an attachment");
+  const std::uint64_t checked = in.at() - all.at();
+  const auto crc = in.Take<std::uint32_t>("the CRC of an attachment");
+  if (crc != 0 && Crc32(all.TakeBytes(checked, "an attachment")) != crc)
+    in.Fail("the attachment " + Printable(name) + " is damaged: wrong CRC");
+}
+
 StatisticsRecord::StatisticsRecord(ByteReader in)
     : messages{in.Take<std::uint64_t>("the statistics")},
       schemas{in.Take<std::uint16_t>("the statistics")},
@@ -290,7 +319,8 @@ Bytes Unpacker::Unpack(McapWindow& window, const ChunkHead& chunk) {
     } else if (chunk.compression == "lz4") {
       fault = UnpackLz4(packed, to);
     } else {
-      fault = "its compression must be zstd, lz4 or empty, got '" + chunk.compression + "'";
+      fault =
+          "its compression must be zstd, lz4 or empty, got '" + Printable(chunk.compression) + "'";
     }
     records = to;
   }

@@ -46,6 +46,9 @@ enum class Op : std::uint8_t {
 /// "chunk", "message index", …
 std::string NameOf(Op op);
 
+/// A word of a file for a message: what cannot be printed is written as \x00.
+std::string Printable(std::string_view word);
+
 std::uint32_t Crc32(Bytes bytes, std::uint32_t begun = 0);
 
 /// A file that is open for reading.
@@ -182,6 +185,15 @@ struct MetadataRecord {
   std::map<std::string, std::string> words;
 
   explicit MetadataRecord(ByteReader in);
+};
+
+struct AttachmentRecord {
+  std::uint64_t log_time, create_time;
+  std::string name, media_type;
+  std::uint64_t data_size;
+
+  /// Throws Error if its CRC is wrong.
+  explicit AttachmentRecord(ByteReader in);
 };
 
 struct StatisticsRecord {

@@ -10,10 +10,13 @@
 #include <utility>
 
 #include "pliant/analysis/mcap_reader.h"
+#include "pliant/analysis/mcap_records.h"
 #include "pliant/systems/error.h"
 #include "pliant/systems/nearest_name.h"
 
 namespace pliant {
+
+using internal::Printable;
 
 namespace {
 
@@ -34,14 +37,14 @@ std::string Plain(std::string_view element) {
 
 std::vector<std::string> Words(const McapChannel& channel, const std::string& key) {
   const auto fail = [&](const std::string& found) {
-    throw Error(channel.topic + ": the channel's metadata " + key +
+    throw Error(Printable(channel.topic) + ": the channel's metadata " + key +
                 " must be a list of words in JSON, got " + found);
   };
   const auto at = channel.metadata.find(key);
   if (at == channel.metadata.end()) fail("none");
   const auto list = nlohmann::json::parse(at->second, nullptr, /*allow_exceptions=*/false);
   const auto is_word = [](const nlohmann::json& word) { return word.is_string(); };
-  if (!list.is_array() || !std::ranges::all_of(list, is_word)) fail(at->second);
+  if (!list.is_array() || !std::ranges::all_of(list, is_word)) fail(Printable(at->second));
   return list.get<std::vector<std::string>>();
 }
 
@@ -55,10 +58,11 @@ bool IsRecorded(const McapChannel& channel, RecordedValue* value) {
   value->elements = Words(channel, "pliant.elements");
   value->units = Words(channel, "pliant.units");
   if (value->elements.size() != value->units.size())
-    throw Error(channel.topic + ": there must be a unit for each element, got " +
+    throw Error(Printable(channel.topic) + ": there must be a unit for each element, got " +
                 Text(value->units.size()) + " for " + Text(value->elements.size()));
   if (channel.message_encoding != "cdr")
-    throw Error(channel.topic + ": the messages must be cdr, got " + channel.message_encoding);
+    throw Error(Printable(channel.topic) + ": the messages must be cdr, got " +
+                Printable(channel.message_encoding));
   return true;
 }
 
@@ -66,7 +70,7 @@ std::string Described(const RecordedValue& value) {
   std::string text = value.type + " of";
   for (std::size_t i = 0; i < value.elements.size(); ++i)
     text += ' ' + value.elements[i] + " (" + value.units[i] + ')';
-  return text;
+  return Printable(text);
 }
 
 /// The rows of a signal as they come.
@@ -79,7 +83,7 @@ struct Rows {
     const std::size_t count = value.elements.size();
     if (message.data.size() != kCdrHead.size() + count * sizeof(double) ||
         !std::ranges::equal(message.data.first(kCdrHead.size()), kCdrHead))
-      throw Error(message.channel.topic + ": the message at " +
+      throw Error(Printable(message.channel.topic) + ": the message at " +
                   Text(1e-9 * static_cast<double>(message.log_time)) + " s must be " + Text(count) +
                   " numbers in little-endian CDR, got " + Text(message.data.size()) + " bytes");
     times.push_back(message.log_time);
@@ -122,11 +126,12 @@ Error NotOurs(const std::filesystem::path& file, const McapReader& log) {
   constexpr std::size_t kShown = 20;
   std::string topics;
   for (std::size_t i = 0; i < log.channels().size() && i < kShown; ++i)
-    topics += "\n  " + log.channels()[i].topic + " : " + log.channels()[i].schema_name;
+    topics += "\n  " + Printable(log.channels()[i].topic) + " : " +
+              Printable(log.channels()[i].schema_name);
   if (log.channels().size() > kShown)
     topics += "\n  and " + Text(log.channels().size() - kShown) + " more";
   return Error(file.string() + " is an MCAP file of " +
-               (log.library().empty() ? "another program" : "'" + log.library() + "'") +
+               (log.library().empty() ? "another program" : "'" + Printable(log.library()) + "'") +
                " and holds no recording of pliant\n" +
                (topics.empty() ? "it has no topics" : "its topics:" + topics));
 }
@@ -143,8 +148,8 @@ Recording ReadLog(const std::filesystem::path& file) {
     const auto is_it = [&](const Rows& rows) { return rows.value.path == value.path; };
     const auto known = std::ranges::find_if(signals, is_it);
     if (known != signals.end() && known->value != value)
-      throw Error(value.path + " changes within the log\n  from  " + Described(known->value) +
-                  "\n  to    " + Described(value));
+      throw Error(Printable(value.path) + " changes within the log\n  from  " +
+                  Described(known->value) + "\n  to    " + Described(value));
     of_channel[channel.id] = static_cast<std::size_t>(known - signals.begin());
     if (known == signals.end()) signals.push_back({std::move(value), {}, {}});
   }

@@ -48,6 +48,16 @@ void PartFile::Throw(int reason) const {
   throw Error("cannot write " + file_.string() + ": " + std::strerror(reason));
 }
 
+void RequireNewFile(const std::filesystem::path& file, bool force) {
+  std::error_code ignored;
+  const std::filesystem::file_status status = std::filesystem::status(file, ignored);
+  if (!std::filesystem::exists(status)) return;
+  if (!std::filesystem::is_regular_file(status))
+    throw Error("cannot write " + file.string() + ": it is there and not a file");
+  if (!force)
+    throw Error(file.string() + " exists; give --force to write over it, or another place");
+}
+
 void WriteFile(const std::filesystem::path& file, std::string_view bytes) {
   PartFile part(file);
   part.Write(bytes);

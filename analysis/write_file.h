@@ -27,6 +27,9 @@ class PartFile {
   int descriptor_ = -1;
 };
 
+/// Throws Error if the file is there and is not to be written over, or is none, such as a device.
+void RequireNewFile(const std::filesystem::path& file, bool force);
+
 void WriteFile(const std::filesystem::path& file, std::string_view bytes);
 
 /// Makes the directory and those above it.

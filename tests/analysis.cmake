@@ -1,8 +1,17 @@
 find_package(nlohmann_json REQUIRED)
 find_package(ZLIB REQUIRED)
 
+pliant_test(analysis/export_test.cc LIBRARIES pliant::analysis)
+# The one that Debian's h5py is for; another may come first.
+find_program(PLIANT_PYTHON python3 PATHS /usr/bin NO_DEFAULT_PATH)
+find_program(PLIANT_PYTHON python3 REQUIRED)
+mark_as_advanced(PLIANT_PYTHON)
+target_compile_definitions(analysis_export_test PRIVATE PLIANT_PYTHON="${PLIANT_PYTHON}")
 pliant_test(analysis/figure_test.cc LIBRARIES pliant::analysis)
 pliant_test(analysis/linearize_test.cc LIBRARIES pliant::analysis)
+pliant_test(analysis/mcap_damage_test.cc LIBRARIES pliant::analysis)
+pliant_test(analysis/mcap_reader_test.cc LIBRARIES pliant::analysis)
+pliant_test(analysis/mcap_repair_test.cc LIBRARIES pliant::analysis)
 pliant_test(analysis/recording_test.cc LIBRARIES pliant::analysis)
 pliant_test(analysis/replay_of_an_arm_test.cc LIBRARIES pliant::analysis)
 pliant_test(analysis/replay_test.cc LIBRARIES pliant::analysis)

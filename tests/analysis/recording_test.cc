@@ -1,9 +1,13 @@
 #include "pliant/analysis/recording.h"
 
+#include <cmath>
 #include <filesystem>
+#include <fstream>
+#include <map>
 #include <string>
 
 #include "pliant/tests/support/error_of.h"
+#include "pliant/tests/support/mcap_bytes.h"
 
 namespace pliant {
 namespace {
@@ -11,10 +15,6 @@ namespace {
 using testing::ElementsAre;
 using testing::EndsWith;
 using testing::HasSubstr;
-
-std::filesystem::path Data(const std::string& name) {
-  return std::filesystem::path(PLIANT_SOURCE_DIR) / "tests/analysis/data" / name;
-}
 
 RecordedSignal Force() {
   return {{"arm.push", "force", {".force[x]", ".force[y]", ".on"}, {"N", "N", ""}},
@@ -25,7 +25,7 @@ RecordedSignal Force() {
 class RecordingOf : public testing::TestWithParam<std::string> {};
 
 TEST_P(RecordingOf, HasTheNumbersThatAnotherWriterWrote) {
-  const Recording run = Recording::Read(Data(GetParam()));
+  const Recording run = Recording::Read(LogOf(GetParam()));
   ASSERT_EQ(run.signals().size(), 2u);
 
   const RecordedSignal& v = run["arm.measured_velocity"];
@@ -55,6 +55,21 @@ INSTANTIATE_TEST_SUITE_P(AnyLayout, RecordingOf,
                            return test.param.substr(0, test.param.find('.'));
                          });
 
+TEST(Recording, HasAllThatMcapLogWrote) {
+  const Recording run = Recording::Read(LogOf("mcap_log.mcap"));
+  ASSERT_EQ(run.signals().size(), 3u);
+  EXPECT_EQ(run["arm.measured_velocity"].numbers,
+            Recording::Read(LogOf("zstd.mcap"))["arm.measured_velocity"].numbers);
+  const RecordedSignal& push = run["arm.push"];
+  EXPECT_EQ(static_cast<RecordedValue>(push),
+            (RecordedValue{"arm.push", "wrench", {".force[x]", ".torque[x]"}, {"N", "N·m"}}));
+  for (int k = 0; k < 50; ++k) EXPECT_EQ(push.numbers(0, k), std::sin(k));
+  EXPECT_TRUE(std::isnan(push["torque.x"](3)));
+  EXPECT_EQ(push["torque.x"](4), 0);
+  EXPECT_EQ(run.metadata().at("pliant").at("scenario"), "joint: 1 # ü\n");
+  EXPECT_EQ(run.robot_description(), "");
+}
+
 TEST(Recording, FindsAnElementWithOrWithoutBracketsAndDot) {
   const RecordedSignal push = Force();
   for (const char* name : {".force[y]", "force[y]", "force.y"})
@@ -73,7 +88,7 @@ TEST(Recording, NamesTheNearestPathAndElement) {
 }
 
 TEST(Recording, SaysWhatALogOfOthersHolds) {
-  const std::string file = Data("foreign.mcap").string();
+  const std::string file = LogOf("foreign.mcap").string();
   EXPECT_EQ(ErrorOf([&] { Recording::Read(file); }),
             file +
                 " is an MCAP file of '@mcap/core 2.2.2' and holds no recording of pliant\n"
@@ -86,9 +101,100 @@ TEST(Recording, SaysWhatALogOfOthersHolds) {
 TEST(Recording, NamesAFileThatIsNone) {
   EXPECT_EQ(ErrorOf([] { Recording::Read("none.mcap"); }),
             "cannot read none.mcap: No such file or directory");
-  EXPECT_THAT(ErrorOf([] { Recording::Read(Data("")); }), EndsWith(": it is not a file"));
-  EXPECT_THAT(ErrorOf([] { Recording::Read(Data("README.md")); }),
+  EXPECT_THAT(ErrorOf([] { Recording::Read(LogOf("")); }), EndsWith(": it is not a file"));
+  EXPECT_THAT(ErrorOf([] { Recording::Read(LogOf("README.md")); }),
               EndsWith(": not an MCAP file: it does not begin with \\x89MCAP0\\r\\n"));
+}
+
+class ReadRecording : public testing::Test {
+ protected:
+  Recording Read(const std::string& records) {
+    std::ofstream(file_, std::ios::binary) << LogBytes(records);
+    return Recording::Read(file_);
+  }
+  std::string FaultOf(const std::string& records) {
+    const std::string fault = ErrorOf([&] { Read(records); });
+    const std::string front = file_.string() + ": ";
+    EXPECT_THAT(fault, testing::StartsWith(front));
+    return fault.substr(std::min(fault.size(), front.size()));
+  }
+
+  const TemporaryDirectory directory_;
+  const std::filesystem::path file_ = directory_.path() / "run.mcap";
+};
+
+using Words = std::map<std::string, std::string>;
+
+Words Joint(const std::string& path = "v") {
+  return {{"pliant.path", path},
+          {"pliant.type", "joint velocity"},
+          {"pliant.elements", R"(["[elbow]"])"},
+          {"pliant.units", R"(["rad/s"])"}};
+}
+
+std::string Number(double x) { return std::string("\0\1\0\0", 4) + Packed(x); }
+
+TEST_F(ReadRecording, OrdersRowsByTimeAndKeepsTheOrderOfEqualTimes) {
+  const Recording run = Read(ChannelBytes(1, "/v", Joint()) + MessageBytes(1, 20, Number(1)) +
+                             MessageBytes(1, 10, Number(2)) + MessageBytes(1, 20, Number(3)) +
+                             MessageBytes(1, 5, Number(4)));
+  EXPECT_EQ(run["v"].times, Eigen::Vector4d(5e-9, 10e-9, 20e-9, 20e-9));
+  EXPECT_EQ(run["v"]["elbow"], Eigen::Vector4d(4, 2, 1, 3));
+}
+
+TEST_F(ReadRecording, JoinsChannelsOfOneValueAndRefusesAnotherUnit) {
+  const std::string rows = MessageBytes(1, 1, Number(1)) + MessageBytes(2, 2, Number(2));
+  EXPECT_EQ(
+      Read(ChannelBytes(1, "/v", Joint()) + ChannelBytes(2, "/v", Joint()) + rows)["v"].numbers,
+      Eigen::RowVector2d(1, 2));
+  Words changed = Joint();
+  changed["pliant.units"] = R"(["deg/s"])";
+  EXPECT_EQ(FaultOf(ChannelBytes(1, "/v", Joint()) + ChannelBytes(2, "/v", changed) + rows),
+            "v changes within the log\n"
+            "  from  joint velocity of [elbow] (rad/s)\n"
+            "  to    joint velocity of [elbow] (deg/s)");
+}
+
+TEST_F(ReadRecording, NamesTheChannelWhoseMetadataIsWrong) {
+  const auto fault_with = [&](const std::string& key, const std::string& word) {
+    Words words = Joint();
+    words[key] = word;
+    return FaultOf(ChannelBytes(1, "/v", words));
+  };
+  const std::string list = " must be a list of words in JSON, got ";
+  EXPECT_EQ(fault_with("pliant.elements", "[elbow"),
+            "/v: the channel's metadata pliant.elements" + list + "[elbow");
+  EXPECT_EQ(fault_with("pliant.units", "[1]"),
+            "/v: the channel's metadata pliant.units" + list + "[1]");
+  EXPECT_EQ(fault_with("pliant.units", R"(["m", "m"])"),
+            "/v: there must be a unit for each element, got 2 for 1");
+  Words words = Joint();
+  words.erase("pliant.units");
+  EXPECT_EQ(FaultOf(ChannelBytes(1, "/v", words)),
+            "/v: the channel's metadata pliant.units" + list + "none");
+  EXPECT_EQ(FaultOf(ChannelBytes(1, "/v", Joint(), "json")),
+            "/v: the messages must be cdr, got json");
+}
+
+TEST_F(ReadRecording, NamesTheMessageThatIsNoRow) {
+  const std::string channel = ChannelBytes(1, "/v", Joint());
+  const std::string what = "/v: the message at 0.5 s must be 1 numbers in little-endian CDR, got ";
+  EXPECT_EQ(FaultOf(channel + MessageBytes(1, 500'000'000, Number(1) + "x")), what + "13 bytes");
+  EXPECT_EQ(FaultOf(channel + MessageBytes(1, 500'000'000, "")), what + "0 bytes");
+  EXPECT_EQ(FaultOf(channel + MessageBytes(1, 500'000'000, std::string(12, '\0'))),
+            what + "12 bytes");  // of big-endian CDR
+}
+
+TEST_F(ReadRecording, NamesRecordsThatDoNotBelongTogether) {
+  const std::string channel = ChannelBytes(1, "/v", Joint());
+  EXPECT_THAT(FaultOf(channel + MessageBytes(2, 0, Number(1))),
+              HasSubstr("a message of channel 2, which has not been met before it\n0 messages"));
+  EXPECT_THAT(FaultOf(channel + ChannelBytes(1, "/w", Joint())),
+              HasSubstr("two channels have the number 1: /v and /w\n"));
+  EXPECT_THAT(FaultOf(channel + RecordBytes(2, std::string(20, '\0'))),
+              HasSubstr("a footer does not belong between the data\n"));
+  EXPECT_THAT(FaultOf(channel + RecordBytes(0, "")),
+              HasSubstr("no record begins here: its opcode is 0\n"));
 }
 
 }  // namespace
