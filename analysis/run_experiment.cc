@@ -108,20 +108,22 @@ class Execution {
 
   void Execute(const Job& job) {
     const auto log = std::make_shared<McapLog>(LogOf(job, file_, options_.force));
-    const Diagram diagram = ScenarioDiagram(job.scenario, log).builder.Build();
+    ScenarioDiagram scene(job.scenario, log);
+    const Diagram diagram = scene.builder.Build();
     Simulator sim(diagram, {.integrator = job.scenario.integrator});
     const auto begin = std::chrono::steady_clock::now();
     const auto wall = [&] {
       return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     };
     const double duration = job.scenario.duration_s;
+    const double period = seconds(job.scenario.log_period.value_or(scene.control_period));
     const auto end = [&](bool whole) {
       const Integrator::Statistics statistics = sim.statistics();
       log->AddMetadata("pliant.run",
                        {{"whole", whole ? "1" : "0"},
                         {"simulated_s", Exact(sim.time())},
                         {"wall_s", Exact(wall())},
-                        {"ticks", std::to_string(log->statistics().rows)},
+                        {"ticks", std::to_string(std::llround(sim.time() / period) + 1)},
                         {"integrator_steps", std::to_string(statistics.steps)},
                         {"derivative_calls", std::to_string(statistics.derivative_calls)}});
       log->Close();
@@ -208,7 +210,7 @@ std::vector<Runs> Repetitions(const std::vector<RunData>& runs, const Experiment
       throw Error(run.file.string() + ": the log is of another experiment than " +
                   runs.front().file.string());
     if (!run.whole)
-      throw Error(run.file.string() + ": the run ended at " + Text(run.timing.simulated_s) +
+      throw Error(run.file.string() + ": the run ended at " + Text(run.times().tail<1>()(0)) +
                   " s of " + Text(run.scenario.duration_s) + " s; a report needs whole runs");
     by_number[run.repetition].push_back(&run);
   }

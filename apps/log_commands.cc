@@ -2,7 +2,11 @@
 #include <cstdio>
 #include <memory>
 #include <string>
+#include <vector>
 
+#include "pliant/analysis/export.h"
+#include "pliant/analysis/mcap_reader.h"
+#include "pliant/analysis/mcap_repair.h"
 #include "pliant/analysis/replay.h"
 #include "pliant/analysis/run_data.h"
 #include "pliant/apps/commands.h"
@@ -11,28 +15,95 @@ namespace pliant {
 
 namespace {
 
+namespace fs = std::filesystem;
+
+/// What the commands about one log are told.
 struct Told {
-  std::string log, part = "control";
+  fs::path log, to;
+  std::string part = "control";
+  std::vector<std::string> signals;
+  bool force = false;
 };
 
 int ReplayLog(const Told& told) {
   const RunData run = RunData::Read(told.log);
   const ReplayResult result =
       Replay(std::move(ScenarioDiagram(run.scenario).builder), told.part, run.log);
-  std::fputs(result.text().c_str(), stdout);
+  std::puts(result.text().c_str());
   return result.identical() ? 0 : 1;
+}
+
+int Export(const Told& told) {
+  const std::string kind = told.to.extension().string();
+  if (kind != ".h5" && kind != ".hdf5" && kind != ".csv")
+    throw Error(told.to.string() + ": expected a file that ends in .h5, .hdf5 or .csv");
+  const Recording recording = Recording::Read(told.log);
+  if (kind == ".csv") {
+    ExportCsv(recording, told.to, told.signals, told.force);
+  } else {
+    Require(told.signals.empty(), "--signal picks columns of a .csv; an HDF5 file gets all");
+    ExportHdf5(recording, told.to, told.force);
+  }
+  return 0;
+}
+
+int Tell(const Told& told) {
+  const McapReader log(told.log);
+  const double from = 1e-9 * static_cast<double>(log.from());
+  const double to = 1e-9 * static_cast<double>(log.to());
+  std::printf("written by  %s, profile %s\n", log.library().c_str(), log.profile().c_str());
+  std::printf("size        %.3f MB, %llu messages from %g s to %g s\n",
+              1e-6 * static_cast<double>(log.bytes()),
+              static_cast<unsigned long long>(log.messages()), from, to);
+  std::printf("whole       %s\n", log.fault().empty() ? "yes" : log.fault().c_str());
+  for (const auto& [name, words] : log.metadata())
+    for (const auto& [key, word] : words)
+      if (word.find('\n') == std::string::npos)
+        std::printf("%-11s %s: %s\n", name.c_str(), key.c_str(), word.c_str());
+  for (const McapChannel& channel : log.channels())
+    std::printf("%9llu  %-32s %s\n", static_cast<unsigned long long>(channel.messages),
+                channel.topic.c_str(), channel.schema_name.c_str());
+  return log.fault().empty() ? 0 : 1;
+}
+
+int Repair(const Told& told) {
+  const LogRepair repair = RepairLog(told.log, told.to, told.force);
+  std::puts(repair.text().c_str());
+  return 0;
 }
 
 }  // namespace
 
 void AddLogCommands(CLI::App& app, std::vector<Command>& commands) {
   const auto told = std::make_shared<Told>();
-  CLI::App* replay = app.add_subcommand(
-      "replay", "Runs a part of the diagram on a log in the place of the arm, and compares");
-  replay->footer("Example: pliant replay out/logs/stiff.mcap --part control.observer");
-  replay->add_option("log", told->log, "of a run")->required();
-  replay->add_option("--part", told->part, "path of a block")->capture_default_str();
-  commands.push_back({replay, [told] { return ReplayLog(*told); }});
+  const auto add = [&](CLI::App& in, const char* name, const char* what, const char* example,
+                       int (*act)(const Told&)) {
+    CLI::App* command = in.add_subcommand(name, what);
+    command->footer(std::string("Example: ") + example);
+    command->add_option("log", told->log, "an MCAP file")->required();
+    commands.push_back({command, [told, act] { return act(*told); }});
+    return command;
+  };
+  add(app, "replay", "Runs a part of the diagram on a log in the place of the arm, and compares",
+      "pliant replay out/logs/stiff.mcap --part control.observer", ReplayLog)
+      ->add_option("--part", told->part, "path of a block")
+      ->capture_default_str();
+
+  CLI::App* to = add(app, "export", "Writes the numbers of a log to an HDF5 or CSV file",
+                     "pliant export out/logs/stiff.mcap stiff.h5", Export);
+  to->add_option("file", told->to, "ends in .h5, .hdf5 or .csv")->required();
+  to->add_option("--signal", told->signals, "path of a signal, in a .csv; none: all");
+  to->add_flag("--force", told->force, "write over a file that is there");
+
+  CLI::App* log = app.add_subcommand("log", "Looks at logs and repairs them");
+  log->require_subcommand(1);
+  add(*log, "info", "Says what is in a log, and whether it is whole",
+      "pliant log info out/logs/stiff.mcap", Tell);
+  CLI::App* repair =
+      add(*log, "repair", "Makes a whole log of what can be read of a cut or damaged one",
+          "pliant log repair cut.mcap whole.mcap", Repair);
+  repair->add_option("file", told->to, "the new log")->required();
+  repair->add_flag("--force", told->force, "write over a file that is there");
 }
 
 }  // namespace pliant

@@ -155,7 +155,7 @@ ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<Recor
   RequireInRange("", scenario);
   const SimulatedArm::Options station = StationOf(scenario);
   const ComplianceControl::Options controller = ControllerOf(scenario, station);
-  const Duration period = controller.period;
+  const Duration period = control_period = controller.period;
 
   // The plant's model at what the sensors say: contacts push the arm that is there.
   DiagramBuilder& b = builder;

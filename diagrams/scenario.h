@@ -99,6 +99,7 @@ struct ScenarioDiagram {
   SimulatedArm* arm;
   ComplianceControl* control;
   ContactTorque* true_torque;
+  Duration control_period;
 };
 
 }  // namespace pliant
