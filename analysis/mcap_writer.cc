@@ -162,6 +162,8 @@ std::uint16_t McapWriter::AddChannel(std::uint16_t schema, std::string_view topi
 }
 
 char* McapWriter::AddMessage(std::uint16_t channel, std::int64_t time_ns, std::size_t size) {
+  // A chunk names its channels under its own CRC: it can be read when all before it is lost.
+  if (chunk_.empty()) chunk_ = schemas_ + channel_records_;
   Channel& of = channels_[channel - 1u];
   of.in_chunk.emplace_back(time_ns, static_cast<std::int64_t>(chunk_.size()));
   ++of.messages;

@@ -13,7 +13,8 @@
 
 namespace pliant::internal {
 
-/// Writes an MCAP file: messages in chunks, compressed with zstd, and where to find them.
+/// Writes an MCAP file: messages in chunks, compressed with zstd, and where to find them. Schemas
+/// and channels stand before their first message, and again in each chunk.
 ///
 /// Source: mcap.dev/spec, version 0.
 class McapWriter {
