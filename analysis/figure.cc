@@ -215,8 +215,12 @@ Script::Script(const Figure& figure) : figure_{figure} {
   const std::size_t rows = (figure.panels.size() + columns - 1) / columns;
   const bool many = std::ranges::any_of(figure.panels, HasManyLabels);
   const std::size_t height = rows == 1 && columns == 1 ? 400 : columns == 1 && !many ? 250 : 340;
+  const auto inches = [](double pixels) { return Number(pixels / 96); };
   text_ << "# gnuplot " << figure.name << ".gp > " << figure.name << ".svg\n"
-        << "set terminal svg size " << kWidth << "," << rows * height
+        << "# gnuplot -e 'pdf = 1' " << figure.name << ".gp > " << figure.name << ".pdf\n"
+        << "if (exists('pdf')) set terminal pdfcairo size " << inches(kWidth) << ","
+        << inches(static_cast<double>(rows * height)) << " noenhanced font 'sans-serif,10'\n"
+        << "if (!exists('pdf')) set terminal svg size " << kWidth << "," << rows * height
         << " dynamic noenhanced font 'sans-serif,13' background rgb 'white' name '" << name << "'\n"
         << kStyle << "set multiplot layout " << rows << "," << columns << "\n";
   if (many) text_ << "set key outside right top vertical\n";
@@ -401,7 +405,10 @@ std::string DrawFigure(const Figure& figure, const std::filesystem::path& direct
   const std::filesystem::path svg = directory / (figure.name + ".svg");
   internal::WriteFile(directory / (figure.name + ".dat"), script.data());
   internal::WriteFile(directory / (figure.name + ".gp"), script.text());
-  internal::RunGnuplot(directory, figure.name + ".gp", std::filesystem::absolute(svg));
+  const std::filesystem::path pdf = directory / (figure.name + ".pdf");
+  internal::RunGnuplot(directory, {figure.name + ".gp"}, std::filesystem::absolute(svg), "</svg>");
+  internal::RunGnuplot(directory, {"-e", "pdf = 1", figure.name + ".gp"},
+                       std::filesystem::absolute(pdf), "%%EOF");
   std::ifstream in(svg);
   return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
 }

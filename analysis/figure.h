@@ -67,8 +67,8 @@ struct Figure {
   std::vector<Panel> panels = {};
 };
 
-/// Draws a figure as directory/NAME.svg and leaves what it was drawn from beside it: NAME.dat, and
-/// NAME.gp to restyle it with gnuplot. Long curves are thinned out to some 2000 points among which
+/// Draws a figure as directory/NAME.svg and NAME.pdf and leaves what it was drawn from beside them:
+/// NAME.dat, and NAME.gp to restyle it with gnuplot. Long curves are thinned out to some 2000 points among which
 /// are the least and greatest of every stretch. Returns the SVG.
 std::string DrawFigure(const Figure& figure, const std::filesystem::path& directory);
 

@@ -79,22 +79,23 @@ Outcome Gnuplot(const std::filesystem::path& directory, std::vector<std::string>
   return outcome;
 }
 
-bool IsWhole(const std::filesystem::path& svg) {
-  std::ifstream in(svg);
+bool Contains(const std::filesystem::path& file, std::string_view what) {
+  std::ifstream in(file, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-  return text.find("</svg>") != std::string::npos;
+  return text.find(what) != std::string::npos;
 }
 
 }  // namespace
 
-void internal::RunGnuplot(const std::filesystem::path& directory, const std::string& script,
-                          const std::filesystem::path& svg) {
-  PartFile part(svg);
-  const Outcome outcome = Gnuplot(directory, {script}, part.descriptor());
+void internal::RunGnuplot(const std::filesystem::path& directory,
+                          const std::vector<std::string>& arguments,
+                          const std::filesystem::path& drawing, std::string_view end) {
+  PartFile part(drawing);
+  const Outcome outcome = Gnuplot(directory, arguments, part.descriptor());
   if (!outcome.succeeded)
-    throw Error("gnuplot cannot draw " + svg.string() + ": " + outcome.message);
-  if (!IsWhole(svg.string() + ".part"))
-    throw Error("gnuplot drew only a part of " + svg.string() + "; is the disk full?" +
+    throw Error("gnuplot cannot draw " + drawing.string() + ": " + outcome.message);
+  if (!Contains(drawing.string() + ".part", end))
+    throw Error("gnuplot drew only a part of " + drawing.string() + "; is the disk full?" +
                 (outcome.message.empty() ? "" : "\n" + outcome.message));
   part.MoveIntoPlace();
 }

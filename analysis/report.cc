@@ -109,8 +109,12 @@ Table ExtentsTable(const std::string& title, const std::string& unit,
   return table;
 }
 
-void WriteReport(const Report& report, const std::filesystem::path& directory,
-                 const std::vector<RunData>& runs) {
+void WriteReport(const Report& report, const std::filesystem::path& directory) {
+  WriteReport(report, {}, directory);
+}
+
+void WriteReport(const Report& report, const std::vector<RunData>& runs,
+                 const std::filesystem::path& directory) {
   Check(report);
   internal::MakeDirectory(directory);
   // What can fail for other reasons than a full disk comes first.

@@ -49,7 +49,7 @@ void RefuseToOverwrite(const fs::path& out, bool force) {
 
 int WriteAndTell(const Report& report, const fs::path& out, bool strict,
                  const std::vector<RunData>& runs = {}) {
-  WriteReport(report, out, runs);
+  WriteReport(report, runs, out);
   bool all = true;
   for (const Claim& claim : report.claims) {
     std::printf("%-8s %s: %s\n", claim.holds ? "holds" : "FAILS", claim.id.c_str(),

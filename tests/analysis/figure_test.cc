@@ -58,7 +58,8 @@ class DrawFigureTest : public ::testing::Test {
 
 TEST_F(DrawFigureTest, LeavesTheDrawingTheScriptAndTheData) {
   const std::string svg = Draw(OneCurve({0, 1, 2}, {0, 0.5, 0.25}));
-  EXPECT_THAT(Files(), ElementsAre("one.dat", "one.gp", "one.svg"));
+  EXPECT_THAT(Files(), ElementsAre("one.dat", "one.gp", "one.pdf", "one.svg"));
+  EXPECT_THAT(ReadText(File("one.pdf")), ::testing::StartsWith("%PDF"));
   EXPECT_EQ(svg, ReadText(File("one.svg")));
   EXPECT_THAT(svg, HasSubstr("<text>speed [m/s]</text>"));
   EXPECT_THAT(Rows(File("one.dat")), ElementsAre("0 0", "1 0.5", "2 0.25"));
@@ -68,7 +69,7 @@ TEST_F(DrawFigureTest, TakesAHyphenInItsName) {
   Figure figure = OneCurve({0, 1}, {0, 1});
   figure.name = "one-curve";
   EXPECT_THAT(Draw(figure), HasSubstr("</svg>"));
-  EXPECT_THAT(Files(), ElementsAre("one-curve.dat", "one-curve.gp", "one-curve.svg"));
+  EXPECT_THAT(Files(), ElementsAre("one-curve.dat", "one-curve.gp", "one-curve.pdf", "one-curve.svg"));
 }
 
 TEST_F(DrawFigureTest, TheScriptGivesTheSameDrawing) {
@@ -207,7 +208,7 @@ TEST_F(DrawFigureTest, SaysWhatGnuplotSaysAndKeepsTheOlderDrawing) {
   setenv("PATH", path.c_str(), 1);
   EXPECT_EQ(error, "gnuplot cannot draw " + File("one.svg").string() + ": line 3: no font\n");
   EXPECT_EQ(ReadText(File("one.svg")), svg);
-  EXPECT_THAT(Files(), ElementsAre("gnuplot", "one.dat", "one.gp", "one.svg"));
+  EXPECT_THAT(Files(), ElementsAre("gnuplot", "one.dat", "one.gp", "one.pdf", "one.svg"));
 }
 
 TEST_F(DrawFigureTest, DoesNotTakeHalfADrawing) {
