@@ -33,7 +33,8 @@ endif()
 
 if(NODE AND NPM AND CHROMIUM)
   web_test(page ${web_build}/test/page_test.mjs ${web}/dist ${web_build}/page ${CHROMIUM})
-  set_tests_properties(web/page PROPERTIES FIXTURES_REQUIRED web_packages)
+  web_test(report ${web_build}/test/report_test.mjs $<TARGET_FILE:pliant> ${web_build}/page ${CHROMIUM})
+  set_tests_properties(web/page web/report PROPERTIES FIXTURES_REQUIRED web_packages)
 else()
   message(STATUS "The page of a report is tested only in part: node, npm and chromium would be needed; "
                  "found ${NODE}, ${NPM}, ${CHROMIUM}")
