@@ -204,8 +204,11 @@ class Replayer {
 
   /// At a tick, before the updates.
   void See(double, const AnyValues& values) {
-    double* to = replayed_.data();
-    for (int i = 0; i < values.size(); ++i) to = values.type(i).store(values[i], to);
+    for (int i = 0; i < values.size(); ++i) {
+      const std::span<double> to = Replayed(static_cast<std::size_t>(i));
+      if (!values.type(i).store(values[i], to.data(), to.size()))
+        std::ranges::fill(to, std::numeric_limits<double>::quiet_NaN());
+    }
   }
 
   std::span<double> Replayed(std::size_t i) {

@@ -43,6 +43,7 @@ RunData RunData::Read(const std::filesystem::path& file) {
   run.name = WordOf(pliant->second, "run", file.string());
   run.title = WordOf(pliant->second, "title", file.string());
   run.version = WordOf(pliant->second, "version", file.string());
+  run.built_with = WordOf(pliant->second, "built_with", file.string());
   run.experiment = WordOf(pliant->second, "experiment", file.string());
   run.repetition = NumberOf<int>(pliant->second, "repetition");
   ParameterFile::ReadText(WordOf(pliant->second, "scenario", file.string()),

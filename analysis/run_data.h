@@ -20,6 +20,7 @@ struct RunData {
   int repetition = 0;      ///< from 0
   std::string experiment;  ///< the effective file, as YAML
   std::string version;     ///< of pliant
+  std::string built_with;  ///< compiler and libraries that results may depend on
   Scenario scenario = {};
   SimulatedArm::Options arm = {};
   ComplianceControl::Options control = {};

@@ -39,6 +39,7 @@ McapLog::Options LogOf(const Job& job, const ExperimentFile& file, bool force) {
           .force = force,
           .metadata = {{"pliant",
                         {{"version", PLIANT_VERSION},
+                         {"built_with", PLIANT_BUILT_WITH},
                          {"experiment", file.text()},
                          {"scenario", ParametersText(job.scenario)},
                          {"run", job.run->name},
@@ -181,7 +182,7 @@ std::vector<Setting> SettingsOf(const RunData& run) {
                              Text(s.integrator.relative_tolerance) + " relative, " +
                              Text(s.integrator.absolute_tolerance) + " absolute"},
           {"duration", Text(s.duration_s) + " s"},
-          {"version", "pliant " + run.version}};
+          {"version", "pliant " + run.version + "; " + run.built_with}};
 }
 
 /// Least and greatest of a quantity of every joint, over all runs.

@@ -133,7 +133,8 @@ void Context::GetNumbers(const internal::Value& value, std::span<double> numbers
   CheckNumbers(value, numbers.size());
   const std::int32_t rule = internal::Access::RuleOf(value);
   if (rule >= 0 && !IsValid(rule)) Evaluate(plan_->needs[static_cast<std::size_t>(rule)]);
-  internal::Access::TypeOf(value).store(arena_ + internal::Access::Offset(value), numbers.data());
+  internal::Access::TypeOf(value).store(arena_ + internal::Access::Offset(value), numbers.data(),
+                                        numbers.size());
 }
 
 void Context::SetNumbers(const internal::Value& value, std::span<const double> numbers) {
@@ -156,18 +157,19 @@ void Context::CheckNumbers(const internal::Value& value, std::size_t count) cons
 
 namespace {
 
-void CheckCount(const internal::ContinuousEntry& entry, std::size_t count, const char* whose) {
-  if (count != static_cast<std::size_t>(entry.size))
+/// The numbers of a state or its rate, which has the size that the state has had from the start.
+void StoreNumbers(const internal::ContinuousEntry& entry, const internal::ValueType& type,
+                  const void* value, double* to, const char* whose) {
+  if (!type.store(value, to, static_cast<std::size_t>(entry.size)))
     throw Error(std::string(whose) + entry.value->describe() + " has " + Text(entry.size) +
-                " numbers, but its rule gave " + Text(count));
+                " numbers, but its rule gave " + Text(type.count(value)));
 }
 
 }  // namespace
 
 void Context::StoreState(int continuous) {
   const internal::ContinuousEntry& entry = plan_->continuous[static_cast<std::size_t>(continuous)];
-  CheckCount(entry, entry.type->count(arena_ + entry.offset), "");
-  entry.type->store(arena_ + entry.offset, StateData() + entry.first);
+  StoreNumbers(entry, *entry.type, arena_ + entry.offset, StateData() + entry.first, "");
 }
 
 void Context::Derivatives(std::span<double> rates) {
@@ -177,10 +179,9 @@ void Context::Derivatives(std::span<double> rates) {
 }
 
 void Context::StoreRates(std::span<double> rate) const {
-  for (const internal::ContinuousEntry& entry : plan_->continuous) {
-    CheckCount(entry, entry.rate_type->count(arena_ + entry.rate_offset), "the rate of ");
-    entry.rate_type->store(arena_ + entry.rate_offset, rate.data() + entry.first);
-  }
+  for (const internal::ContinuousEntry& entry : plan_->continuous)
+    StoreNumbers(entry, *entry.rate_type, arena_ + entry.rate_offset, rate.data() + entry.first,
+                 "the rate of ");
 }
 
 void Context::CommitUpdates(const internal::Happening& h) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <concepts>
 #include <cstring>
@@ -44,8 +45,9 @@ struct ValueType {
   void (*numbers)(const void* value, std::vector<double>& out);
   const double* (*set_numbers)(void* value, const double* from);
   void (*columns)(const void* value, const pliant::Space& space, std::vector<Column>& out);
-  /// Writes the numbers of a value whose shape is known; returns the end.
-  double* (*store)(const void* value, double* to);
+  /// Writes the numbers of a value that has `count` of them; false, and nothing written, if it has
+  /// another number of them.
+  bool (*store)(const void* value, double* to, std::size_t count);
   std::size_t (*count)(const void* value);  ///< of its numbers
 };
 
@@ -172,8 +174,8 @@ double* Store(const T& value, double* to) {
   if constexpr (Number<T>) {
     *to++ = static_cast<double>(value);
   } else if constexpr (Dense<T>) {
-    for (Eigen::Index c = 0; c < value.cols(); ++c)
-      for (Eigen::Index r = 0; r < value.rows(); ++r) *to++ = value(r, c);
+    static_assert(!T::IsRowMajor || T::RowsAtCompileTime == 1, "numbers stand column by column");
+    to = std::copy_n(value.data(), value.size(), to);
   } else if constexpr (IsArray<T>::value) {
     for (const auto& element : value) to = Store(element, to);
   } else {
@@ -276,7 +278,12 @@ ValueType DescribeType() {
       if constexpr (requires { T::quantity; }) unit = T::quantity.unit;
       Columns(*static_cast<const T*>(v), space, "", unit, out);
     };
-    type.store = [](const void* v, double* to) { return Store(*static_cast<const T*>(v), to); };
+    type.store = [](const void* v, double* to, std::size_t count) {
+      const T& value = *static_cast<const T*>(v);
+      if (Count(value) != count) return false;
+      Store(value, to);
+      return true;
+    };
     type.count = [](const void* v) { return Count(*static_cast<const T*>(v)); };
   } else if constexpr (std::equality_comparable<T>) {
     type.equal = [](const void* a, const void* b) {

@@ -32,11 +32,8 @@ void WiredNumbers::Store(const AnyValues& values, std::span<double> row) const {
   double* to = row.data();
   for (int i = 0; i < values.size(); ++i) {
     const std::size_t n = widths_[static_cast<std::size_t>(i)];
-    if (values.type(i).count(values[i]) == n) {
-      values.type(i).store(values[i], to);
-    } else {
+    if (!values.type(i).store(values[i], to, n))
       std::fill_n(to, n, std::numeric_limits<double>::quiet_NaN());
-    }
     to += n;
   }
 }
