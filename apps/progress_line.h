@@ -2,7 +2,9 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cstddef>
 #include <cstdio>
 #include <string>
 #include <utility>
@@ -22,8 +24,11 @@ class ProgressLine {
     shown_ = now;
     const double factor = wall_s > 0 ? done_s / wall_s : 0;
     const int digits = total_s < 10 ? 3 : 1;
-    std::fprintf(stderr, "%s%-28s %6.*f of %.*f s, %5.1f x real time", terminal_ ? "\r\033[K" : "",
-                 phase.c_str(), digits, done_s, digits, total_s, factor);
+    // As many blanks as letters are short of it, not bytes.
+    const auto letters = std::ranges::count_if(phase, [](char c) { return (c & 0xC0) != 0x80; });
+    const int blanks = static_cast<int>(std::max<std::ptrdiff_t>(0, 28 - letters));
+    std::fprintf(stderr, "%s%s%*s %6.*f of %.*f s, %5.1f x real time", terminal_ ? "\r\033[K" : "",
+                 phase.c_str(), blanks, "", digits, done_s, digits, total_s, factor);
     if (!end && factor > 0) std::fprintf(stderr, ", %.0f s left", (total_s - done_s) / factor);
     open_ = terminal_ && !end;
     if (!open_) std::fputc('\n', stderr);

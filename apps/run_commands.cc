@@ -60,6 +60,9 @@ void FindGnuplot() {
 
 int WriteAndTell(const Report& report, const fs::path& out, bool strict,
                  const std::vector<RunData>& runs = {}) {
+  std::error_code error;
+  fs::create_directories(out, error);
+  if (error) throw Error("cannot make the directory " + out.string() + ": " + error.message());
   try {
     WriteReport(report, out, runs);
   } catch (const Error& e) {

@@ -72,6 +72,12 @@ class Output(InFolder):
         self.assertEqual((self.folder / "one/report.html").read_bytes(),
                          (self.folder / "two/report.html").read_bytes())
 
+    def test_of_a_report_that_cannot_be_is_told(self):
+        self.run_short()
+        for place, reason in [("arm.yaml", "Not a directory"), ("/proc/x", "No such file or directory")]:
+            self.refuses(f"cannot make the directory {place}: {reason}",
+                         "report", "out/logs/run.mcap", "--out", place)
+
     def test_of_two_experiments_is_no_report(self):
         self.run_short("one")
         self.ends(0, *RUN, "two", "--set", "controller.observer_gain=60")
