@@ -9,6 +9,7 @@
 #include <mutex>
 #include <optional>
 #include <sstream>
+#include <system_error>
 #include <thread>
 
 #include "pliant/analysis/mcap_log.h"
@@ -79,7 +80,11 @@ class Execution {
       std::vector<std::jthread> threads;
       const auto count =
           std::min<std::size_t>(static_cast<std::size_t>(options_.jobs), jobs_.size());
-      for (std::size_t i = 1; i < count; ++i) threads.emplace_back([this] { Work(); });
+      try {
+        for (std::size_t i = 1; i < count; ++i) threads.emplace_back([this] { Work(); });
+      } catch (const std::system_error&) {
+        // Fewer at a time, where the system gives no more threads.
+      }
       Work();
     }
     if (failure_) throw FailedRun(*failure_);

@@ -11,6 +11,7 @@
 #include "pliant/apps/commands.h"
 #include "pliant/apps/doctor_checks.h"
 #include "pliant/apps/machine_facts.h"
+#include "pliant/apps/says_something.h"
 #include "pliant/plants/shared_file.h"
 #include "pliant/systems/error.h"
 
@@ -66,9 +67,12 @@ void AddDoctor(CLI::App& app, std::vector<Command>& commands) {
   doctor->footer(
       "Example: pliant doctor --arm 192.168.1.10\n"
       "A line each: ok, missing (needed) or note. Exits with 1 if something is missing.");
-  doctor->add_option("--arm", told->arm,
-                     "ADDRESS[:PORT] of the arm that is to be run; what it needs is then needed");
+  doctor
+      ->add_option("--arm", told->arm,
+                   "ADDRESS[:PORT] of the arm that is to be run; what it needs is then needed")
+      ->check(SaysSomething());
   doctor->add_option("--out", told->out, "folder where logs and reports are to go")
+      ->check(SaysSomething())
       ->capture_default_str();
   commands.push_back({doctor, [told] { return Examine(*told); }});
 }

@@ -99,11 +99,17 @@ RealTimeFacts RealTimeOfThisMachine() {
 OutputFolder OutputAt(const fs::path& folder) {
   OutputFolder facts{.place = {}, .fault = {}, .free_bytes = 0};
   std::error_code error;
-  const fs::path asked = fs::weakly_canonical(fs::absolute(folder), error);
-  facts.place = asked.string();
+  const fs::path asked = fs::absolute(folder, error);
+  facts.place = fs::weakly_canonical(asked, error).string();
+  if (error) facts.place = asked.string();
   fs::path there = asked;
-  while (!fs::exists(there, error) && there.has_parent_path() && there != there.parent_path())
+  while (!fs::exists(there, error)) {
+    if (error) {
+      facts.fault = error.message();
+      return facts;
+    }
     there = there.parent_path();
+  }
   std::string trial = (there / ".pliant-doctor-XXXXXX").string();
   const int descriptor = mkstemp(trial.data());
   if (descriptor < 0) {

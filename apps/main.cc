@@ -2,6 +2,7 @@
 #include <csignal>
 #include <cstdio>
 #include <iostream>
+#include <new>
 #include <string>
 #include <vector>
 
@@ -70,6 +71,9 @@ int main(int argc, char** argv) {
     return app.exit(e) == 0 ? 0 : 2;
   } catch (const pliant::CannotGoOn& e) {
     std::cerr << "pliant: " << e.what() << '\n';
+    return 3;
+  } catch (const std::bad_alloc&) {
+    std::cerr << "pliant: there is not enough memory\n";
     return 3;
   } catch (const std::exception& e) {
     std::cerr << "pliant: " << e.what() << '\n';

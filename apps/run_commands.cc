@@ -10,6 +10,7 @@
 #include "pliant/analysis/study.h"
 #include "pliant/apps/commands.h"
 #include "pliant/apps/progress_line.h"
+#include "pliant/apps/says_something.h"
 #include "pliant/apps/stop_signals.h"
 #include "pliant/systems/nearest_name.h"
 
@@ -136,11 +137,6 @@ int ListExperiments() {
     std::printf("%-24s %s\n", e.name.c_str(), e.title.c_str());
   for (const Study& s : Studies()) std::printf("%-24s %s\n", s.name.c_str(), s.summary.c_str());
   return 0;
-}
-
-/// An empty word is most often a variable of the shell that is not set.
-CLI::Validator SaysSomething() {
-  return {[](const std::string& word) { return word.empty() ? "it is empty" : ""; }, "", ""};
 }
 
 void AddRunOptions(CLI::App& app, Told& told) {

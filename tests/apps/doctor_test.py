@@ -34,6 +34,9 @@ class Doctor(InFolder):
             self.assertIn("set PLIANT_SHARE", self.missing(subject, env=environment))
         self.assertTrue(self.missing("output", "--out", "arm.yaml/x").startswith(
             f"{self.folder}/arm.yaml/x cannot be written to: Not a directory; "))
+        self.assertIn("cannot be written to: File name too long; ", self.missing("output", "--out", "x" * 300))
+        for option in ("--out", "--arm"):
+            self.assertEqual(self.pliant("doctor", option, "").returncode, 2)
 
     def test_tries_an_arm_that_is_named(self):
         with socket.create_server(("127.0.0.1", 0)) as arm:

@@ -234,6 +234,13 @@ class Progress(InFolder):
         done = self.pliant("run", "arm.yaml", "--out", "out")
         self.assertRegex(done.stderr, r"^A pushed arm +1\.000 of 1\.000 s, +[\d.]+ x real time\n$")
 
+    def test_is_a_line_every_ten_seconds_for_a_file(self):
+        begun = time.monotonic()
+        process = self.start("run", "arm.yaml", "--set", "duration_s=1e5", "--set", "log_period=1 s", "--out", "out")
+        line = process.stderr.readline()
+        self.assertGreater(time.monotonic() - begun, 9)
+        self.assertRegex(line, r"^A pushed arm +[\d.]+ of 100000\.0 s, +[\d.]+ x real time, \d+ s left\n$")
+
     def test_is_written_over_on_a_terminal(self):
         ours, theirs = pty.openpty()
         process = self.start("run", "arm.yaml", "--set", "duration_s=1e5", "--out", "out", stderr=theirs)
