@@ -12,6 +12,8 @@ namespace pliant {
 
 namespace {
 
+constexpr std::size_t kLongestName = 100;  // with "-99999.mcap.part" a file still bears it
+
 /// Takes the names of what would be recorded, and nothing else.
 class NamesOnly final : public RecordSink {
  public:
@@ -44,6 +46,8 @@ void CheckRunNames(const std::vector<RunOf>& runs) {
         run.name, [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-'; });
     Require(fit, "the name of a run, which names its log, has letters, digits, '_' and '-'",
             "'" + run.name + "'");
+    Require(run.name.size() <= kLongestName,
+            "the name of a run has at most " + Text(kLongestName) + " letters", run.name.size());
     Require(names.insert(run.name).second, "two runs are named '" + run.name + "'");
   }
 }

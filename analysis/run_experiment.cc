@@ -9,6 +9,7 @@
 #include <mutex>
 #include <optional>
 #include <sstream>
+#include <system_error>
 #include <thread>
 
 #include "pliant/analysis/mcap_log.h"
@@ -74,13 +75,17 @@ class Execution {
     internal::MakeDirectory(options_.out / "logs");
     // Refused before anything is run, not after an hour.
     for (const Job& job : jobs_)
-      if (!options_.force && std::filesystem::exists(job.log))
+      if (std::error_code unknown; !options_.force && std::filesystem::exists(job.log, unknown))
         throw Error(job.log.string() + " exists; give --force to write over it, or another --out");
     {
       std::vector<std::jthread> threads;
       const auto count =
           std::min<std::size_t>(static_cast<std::size_t>(options_.jobs), jobs_.size());
-      for (std::size_t i = 1; i < count; ++i) threads.emplace_back([this] { Work(); });
+      try {
+        for (std::size_t i = 1; i < count; ++i) threads.emplace_back([this] { Work(); });
+      } catch (const std::system_error&) {
+        // Fewer at a time, where the system gives no more threads.
+      }
       Work();
     }
     if (failure_) throw FailedRun(*failure_);
@@ -117,35 +122,44 @@ class Execution {
       return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     };
     const double duration = job.scenario.duration_s;
-    const double period = seconds(job.scenario.log_period.value_or(scene.control_period));
+    const double period = seconds(scene.control_period);
+    // The tick at the end, if there is one, is the last.
+    const double ticks = std::ceil(duration / period - 1e-9);
+    const bool ends_with_a_tick = std::abs(ticks * period - duration) < 1e-9;
     const auto end = [&](bool whole) {
       const Integrator::Statistics statistics = sim.statistics();
-      log->AddMetadata("pliant.run",
-                       {{"whole", whole ? "1" : "0"},
-                        {"simulated_s", Exact(sim.time())},
-                        {"wall_s", Exact(wall())},
-                        {"ticks", std::to_string(std::llround(sim.time() / period) + 1)},
-                        {"integrator_steps", std::to_string(statistics.steps)},
-                        {"derivative_calls", std::to_string(statistics.derivative_calls)}});
+      log->AddMetadata(
+          "pliant.run",
+          {{"whole", whole ? "1" : "0"},
+           {"simulated_s", Exact(sim.time())},
+           {"wall_s", Exact(wall())},
+           {"ticks", std::to_string(std::llround(std::ceil(sim.time() / period - 1e-9)) +
+                                    (whole && ends_with_a_tick))},
+           {"integrator_steps", std::to_string(statistics.steps)},
+           {"derivative_calls", std::to_string(statistics.derivative_calls)}});
       log->Close();
     };
     const std::string phase =
         job.run->title + (options_.repeat > 1 ? ", " + std::to_string(job.repetition) : "");
+    bool whole = false;
     try {
       const auto parts = static_cast<std::int64_t>(std::ceil(10 * duration));
-      for (std::int64_t k = 1; k <= parts && !Stopped(); ++k) {
+      std::int64_t k = 0;
+      // A log that cannot be written ends the run; Close says why.
+      while (k < parts && !Stopped() && log->statistics().error.empty()) {
+        ++k;
         sim.AdvanceTo(duration * static_cast<double>(k) / static_cast<double>(parts));
         if (!options_.progress) continue;
         const std::lock_guard lock(mutex_);
         options_.progress(phase, sim.time(), duration, wall());
       }
-      // The tick at the end is the last row.
-      if (!Stopped()) sim.AdvanceThroughTick();
+      whole = k == parts;
+      if (whole && ends_with_a_tick) sim.AdvanceThroughTick();
     } catch (const std::exception&) {
       end(false);
       throw;
     }
-    end(sim.time() >= duration);
+    end(whole);
   }
 
   const ExperimentFile& file_;
@@ -210,6 +224,8 @@ std::vector<Runs> Repetitions(const std::vector<RunData>& runs, const Experiment
     if (run.experiment != runs.front().experiment)
       throw Error(run.file.string() + ": the log is of another experiment than " +
                   runs.front().file.string());
+    if (run.times().size() == 0)
+      throw Error(run.file.string() + ": the log has no row; a report needs whole runs");
     if (!run.whole)
       throw Error(run.file.string() + ": the run ended at " + Text(run.times().tail<1>()(0)) +
                   " s of " + Text(run.scenario.duration_s) + " s; a report needs whole runs");

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <atomic>
 #include <functional>
 #include <stdexcept>
 #include <vector>
@@ -22,9 +21,6 @@ class CannotGoOn : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
-
-/// Ctrl-C sets it.
-extern std::atomic<bool> stop_requested;
 
 void AddRunCommands(CLI::App& app, std::vector<Command>& commands);  ///< run, experiment, report
 void AddLogCommands(CLI::App& app, std::vector<Command>& commands);  ///< replay, export, log

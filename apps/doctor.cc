@@ -1,5 +1,80 @@
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pliant/analysis/figure.h"
+#include "pliant/apps/arm_address.h"
 #include "pliant/apps/commands.h"
+#include "pliant/apps/doctor_checks.h"
+#include "pliant/apps/machine_facts.h"
+#include "pliant/apps/says_something.h"
+#include "pliant/plants/shared_file.h"
+#include "pliant/systems/error.h"
 
 namespace pliant {
-void AddDoctor(CLI::App&, std::vector<Command>&) {}
+
+namespace {
+
+struct Told {
+  std::string arm;
+  std::filesystem::path out = ".";
+};
+
+/// The first line of an error.
+std::string FirstLine(const std::string& text) { return text.substr(0, text.find('\n')); }
+
+Finding Gnuplot() {
+  try {
+    RequireGnuplot();
+    return CheckGnuplot("it runs", "");
+  } catch (const Error& e) {
+    return CheckGnuplot("", FirstLine(e.what()));
+  }
+}
+
+Finding Shared(const std::string& name, const std::string& file) {
+  try {
+    return CheckShared({name, SharedFile(file).string(), ""});
+  } catch (const Error& e) {
+    return CheckShared({name, "", FirstLine(e.what())});
+  }
+}
+
+int Examine(const Told& told) {
+  std::optional<ArmAddress> address;
+  if (!told.arm.empty()) address = ArmAddress::Of(told.arm);
+  std::vector<Finding> findings{Gnuplot(), Shared("models", "models/gen3/gen3_7dof.urdf"),
+                                Shared("experiments", "experiments"),
+                                Shared("page of a report", "web/dist/replay.js"),
+                                CheckOutput(OutputAt(told.out))};
+  for (Finding& finding : CheckRealTime(RealTimeOfThisMachine(), address.has_value()))
+    findings.push_back(std::move(finding));
+  findings.push_back(CheckArm(address ? std::optional(TryArm(*address)) : std::nullopt));
+  for (const Finding& finding : findings) std::puts(finding.text().c_str());
+  return std::ranges::count(findings, Verdict::Missing, &Finding::verdict) > 0 ? 1 : 0;
+}
+
+}  // namespace
+
+void AddDoctor(CLI::App& app, std::vector<Command>& commands) {
+  const auto told = std::make_shared<Told>();
+  CLI::App* doctor =
+      app.add_subcommand("doctor", "Says what is missing on this machine, and how to mend it");
+  doctor->footer(
+      "Example: pliant doctor --arm 192.168.1.10\n"
+      "A line each: ok, missing (needed) or note. Exits with 1 if something is missing.");
+  doctor
+      ->add_option("--arm", told->arm,
+                   "ADDRESS[:PORT] of the arm that is to be run; what it needs is then needed")
+      ->check(SaysSomething());
+  doctor->add_option("--out", told->out, "folder where logs and reports are to go")
+      ->check(SaysSomething())
+      ->capture_default_str();
+  commands.push_back({doctor, [told] { return Examine(*told); }});
+}
+
 }  // namespace pliant

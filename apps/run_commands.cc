@@ -5,19 +5,22 @@
 #include <string>
 
 #include "pliant/analysis/experiment.h"
+#include "pliant/analysis/figure.h"
 #include "pliant/analysis/run_experiment.h"
 #include "pliant/analysis/study.h"
 #include "pliant/apps/commands.h"
 #include "pliant/apps/progress_line.h"
+#include "pliant/apps/says_something.h"
+#include "pliant/apps/stop_signals.h"
 #include "pliant/systems/nearest_name.h"
 
 namespace pliant {
 
-std::atomic<bool> stop_requested{false};
-
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr int kStopped = 130;
 
 /// What `run`, `experiment run` and `report` are told.
 struct Told {
@@ -42,14 +45,30 @@ Overrides OverridesOf(const std::vector<std::string>& set) {
 /// A report that is there stays, unless told otherwise.
 void RefuseToOverwrite(const fs::path& out, bool force) {
   for (const char* name : {"report.html", "verdict.json"})
-    if (!force && fs::exists(out / name))
+    if (std::error_code unknown; !force && fs::exists(out / name, unknown))
       throw Error((out / name).string() +
                   " exists; give --force to write over it, or another --out");
 }
 
+/// Before a long run, not after it.
+void FindGnuplot() {
+  try {
+    RequireGnuplot();
+  } catch (const Error& e) {
+    throw CannotGoOn(e.what());
+  }
+}
+
 int WriteAndTell(const Report& report, const fs::path& out, bool strict,
                  const std::vector<RunData>& runs = {}) {
-  WriteReport(report, runs, out);
+  std::error_code error;
+  fs::create_directories(out, error);
+  if (error) throw Error("cannot make the directory " + out.string() + ": " + error.message());
+  try {
+    WriteReport(report, runs, out);
+  } catch (const Error& e) {
+    throw CannotGoOn(e.what());
+  }
   bool all = true;
   for (const Claim& claim : report.claims) {
     std::printf("%-8s %s: %s\n", claim.holds ? "holds" : "FAILS", claim.id.c_str(),
@@ -66,30 +85,39 @@ int ReportOnLogs(const std::vector<fs::path>& logs, const Told& told) {
   return WriteAndTell(ReportOf(runs), told.out, told.strict, runs);
 }
 
+std::vector<fs::path> Run(const ExperimentFile& file, const Told& told) {
+  const StopSignals signals;
+  ProgressLine line;
+  try {
+    std::vector<fs::path> logs = RunExperiment(file, {.out = told.out,
+                                                      .repeat = told.repeat,
+                                                      .jobs = told.jobs,
+                                                      .force = told.force,
+                                                      .progress = std::ref(line),
+                                                      .stop = &StopSignals::requested});
+    line.End();
+    return logs;
+  } catch (const FailedRun& e) {
+    line.End();
+    throw CannotGoOn(e.what());
+  }
+}
+
 int RunFile(const fs::path& path, const Told& told) {
   const ExperimentFile file = ExperimentFile::Read(path, OverridesOf(told.set));
   if (told.check) {
-    std::printf("%s: %zu runs, nothing is wrong\n", path.c_str(), file.scenarios.size());
+    const std::size_t runs = file.scenarios.size();
+    std::printf("%s: %zu %s, nothing is wrong\n", path.c_str(), runs, runs == 1 ? "run" : "runs");
     return 0;
   }
+  Require(!told.out.empty(), "--out is required: the folder of logs and report");
   RefuseToOverwrite(told.out, told.force);
-  std::vector<fs::path> logs;
-  try {
-    logs = RunExperiment(file, {.out = told.out,
-                                .repeat = told.repeat,
-                                .jobs = told.jobs,
-                                .force = told.force,
-                                .progress = ProgressLine{},
-                                .stop = &stop_requested});
-  } catch (const FailedRun& e) {
-    throw CannotGoOn(e.what());
-  }
-  if (stop_requested) {
-    std::fprintf(stderr, "\nstopped; what was logged:\n");
-    for (const fs::path& log : logs) std::fprintf(stderr, "  %s\n", log.c_str());
-    return 130;
-  }
-  return ReportOnLogs(logs, told);
+  if (!file.experiment.figures.empty()) FindGnuplot();
+  const std::vector<fs::path> logs = Run(file, told);
+  if (!StopSignals::requested) return ReportOnLogs(logs, told);
+  std::fprintf(stderr, "stopped; what was logged:\n");
+  for (const fs::path& log : logs) std::fprintf(stderr, "  %s\n", log.c_str());
+  return kStopped;
 }
 
 int RunNamed(const std::string& name, const Told& told) {
@@ -98,6 +126,7 @@ int RunNamed(const std::string& name, const Told& told) {
       Require(told.set.empty() && told.repeat == 1,
               "'" + name + "' is no scenario: it takes neither --set nor --repeat");
       RefuseToOverwrite(told.out, told.force);
+      FindGnuplot();
       return WriteAndTell(study.run(ProgressLine{}), told.out, told.strict);
     }
   return RunFile(FindExperiment(name).file, told);
@@ -112,7 +141,7 @@ int ListExperiments() {
 
 void AddRunOptions(CLI::App& app, Told& told) {
   app.add_option("--out", told.out, "folder of logs and report, made if it is not there")
-      ->required();
+      ->check(SaysSomething());
   app.add_option("--set", told.set,
                  "path=value in the place of what the file says, such as station.ideal=true");
   app.add_option("--repeat", told.repeat, "how often, each time with the next seed")
@@ -132,9 +161,9 @@ void AddRunCommands(CLI::App& app, std::vector<Command>& commands) {
 
   CLI::App* run = app.add_subcommand("run", "Runs a scenario file and writes logs and a report");
   run->footer("Example: pliant run my_arm.yaml --set station.ideal=true --out out");
-  run->add_option("file", told->file, "scenario, YAML")->required();
+  run->add_option("file", told->file, "scenario, YAML")->required()->check(SaysSomething());
   AddRunOptions(*run, *told);
-  run->add_flag("--check", told->check, "only says whether the file can be run");
+  run->add_flag("--check", told->check, "only says whether the file can be run; needs no --out");
   commands.push_back({run, [told] { return RunFile(told->file, *told); }});
 
   CLI::App* experiment =
@@ -149,6 +178,7 @@ void AddRunCommands(CLI::App& app, std::vector<Command>& commands) {
       "With several names each has a folder of its own in --out.");
   named->add_option("names", told->names, "of the experiments")->required();
   AddRunOptions(*named, *told);
+  named->get_option("--out")->required();
   commands.push_back({named, [told] {
                         for (const std::string& name : told->names)
                           if (std::ranges::find(Studies(), name, &Study::name) == Studies().end())
@@ -158,7 +188,7 @@ void AddRunCommands(CLI::App& app, std::vector<Command>& commands) {
                           Told one = *told;
                           if (told->names.size() > 1) one.out /= name;
                           worst = std::max(worst, RunNamed(name, one));
-                          if (stop_requested) break;
+                          if (worst == kStopped) break;
                         }
                         return worst;
                       }});
@@ -167,7 +197,8 @@ void AddRunCommands(CLI::App& app, std::vector<Command>& commands) {
   report->footer("Example: pliant report out/logs/*.mcap --out report");
   report->add_option("logs", told->logs, "of the runs of one experiment")->required();
   report->add_option("--out", told->out, "folder of the report, made if it is not there")
-      ->required();
+      ->required()
+      ->check(SaysSomething());
   report->add_flag("--force", told->force, "write over a report that is there");
   report->add_flag("--strict", told->strict, "exit with 1 if a claim fails");
   commands.push_back({report, [told] {

@@ -1,2 +1,14 @@
-add_test(NAME apps/pliant
-         COMMAND Python3::Interpreter -B ${CMAKE_CURRENT_SOURCE_DIR}/apps/pliant_test.py $<TARGET_FILE:pliant>)
+# The command is no library: a test compiles the unit it is about.
+pliant_test(apps/arm_address_test.cc LIBRARIES pliant::systems)
+target_sources(apps_arm_address_test PRIVATE ${PROJECT_SOURCE_DIR}/apps/arm_address.cc)
+pliant_test(apps/doctor_checks_test.cc LIBRARIES pliant::systems)
+target_sources(apps_doctor_checks_test PRIVATE ${PROJECT_SOURCE_DIR}/apps/doctor_checks.cc)
+
+# The command as a user meets it.
+if(TARGET pliant)
+  foreach(name damage doctor interruption output scenario)
+    add_test(NAME apps/${name}
+             COMMAND Python3::Interpreter -B ${CMAKE_CURRENT_SOURCE_DIR}/apps/${name}_test.py $<TARGET_FILE:pliant>)
+    set_tests_properties(apps/${name} PROPERTIES TIMEOUT 300)
+  endforeach()
+endif()

@@ -167,9 +167,9 @@ TEST(Part, IsWatchedBeforeItsStatesAreUpdated) {
   std::vector<std::string> seen;
   const Part part =
       b.BuildPart("delay", {"source.y", "delay.y"}, [&](double t, const AnyValues& values) {
-        double y;
+        double y = 0;
         ASSERT_EQ(values.size(), 1);
-        values.type(0).store(values[0], &y);
+        ASSERT_TRUE(values.type(0).store(values[0], &y, 1));
         seen.push_back(Text(t) + ": " + Text(y));
       });
   Simulator sim{part.diagram};
