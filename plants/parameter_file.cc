@@ -1,17 +1,22 @@
 #include "pliant/plants/parameter_file.h"
 
 #include <yaml-cpp/eventhandler.h>
-#include <yaml-cpp/yaml.h>
+#include <yaml-cpp/exceptions.h>
+#include <yaml-cpp/parser.h>
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <fstream>
+#include <limits>
+#include <map>
 #include <numbers>
 #include <set>
 #include <sstream>
 
+#include "pliant/plants/parameter_text.h"
 #include "pliant/systems/nearest_name.h"
 
 namespace pliant {
@@ -32,17 +37,11 @@ std::string Short(const std::string& word) {
 
 std::string Quoted(const std::string& word) { return "'" + Short(word) + "'"; }
 
-std::string KindOf(const YAML::Node& node) {
-  switch (node.Type()) {
-    case YAML::NodeType::Map:
-      return "a map";
-    case YAML::NodeType::Sequence:
-      return "a list";
-    case YAML::NodeType::Scalar:
-      return Quoted(node.Scalar());
-    default:
-      return "nothing";
-  }
+std::string Lowercase(std::string_view word) {
+  std::string all(word);
+  for (char& c : all)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return all;
 }
 
 std::string Listed(const std::vector<std::string>& names) {
@@ -51,71 +50,13 @@ std::string Listed(const std::vector<std::string>& names) {
   return list;
 }
 
-/// Refuses what is YAML and no parameter file, as it is read: before there are nodes that contain
-/// themselves, or more of them than the stack can hold.
-class Check final : public YAML::EventHandler {
- public:
-  explicit Check(const std::string& source) : source_{source} {}
+/// The YAML reader takes some 220 bytes for each bracket.
+constexpr std::size_t kMostBytes = 512 << 10;
 
-  void OnDocumentStart(const YAML::Mark& mark) override {
-    if (++documents_ > 1) FailAt(source_, mark, "a second document begins here; expected one");
-  }
-  void OnDocumentEnd() override {}
-
-  void OnNull(const YAML::Mark& mark, YAML::anchor_t) override { ExpectValue(mark); }
-  void OnScalar(const YAML::Mark& mark, const std::string&, YAML::anchor_t,
-                const std::string& word) override {
-    if (!at_key()) return ExpectValue(mark);
-    open_.back().at_key = false;
-    if (!open_.back().keys.insert(word).second)
-      FailAt(source_, mark, Quoted(word) + " is given twice");
-  }
-  void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override {
-    ExpectValue(mark);
-    if (std::ranges::find(open_, anchor, &Collection::anchor) != open_.end())
-      FailAt(source_, mark, "an alias stands for what it is a part of");
-  }
-
-  void OnMapStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
-                  YAML::EmitterStyle::value) override {
-    Open(mark, {.map = true, .at_key = true, .anchor = anchor, .keys = {}});
-  }
-  void OnMapEnd() override { open_.pop_back(); }
-  void OnSequenceStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
-                       YAML::EmitterStyle::value) override {
-    Open(mark, {.map = false, .at_key = false, .anchor = anchor, .keys = {}});
-  }
-  void OnSequenceEnd() override { open_.pop_back(); }
-
- private:
-  static constexpr std::size_t kMostOpen = 32;
-
-  struct Collection {
-    bool map;
-    bool at_key;  // whether the next thing in a map is a key
-    YAML::anchor_t anchor;
-    std::set<std::string> keys;
-  };
-
-  bool at_key() const { return !open_.empty() && open_.back().at_key; }
-
-  void ExpectValue(const YAML::Mark& mark) {
-    if (at_key()) FailAt(source_, mark, "a key must be a word");
-    if (!open_.empty()) open_.back().at_key = open_.back().map;
-  }
-  void Open(const YAML::Mark& mark, Collection collection) {
-    ExpectValue(mark);
-    if (open_.size() == kMostOpen)
-      FailAt(source_, mark, "more than " + Text(kMostOpen) + " maps and lists inside one another");
-    open_.push_back(std::move(collection));
-  }
-
-  const std::string& source_;
-  int documents_ = 0;
-  std::vector<Collection> open_;  // from the outermost to the one that is read
-};
-
-constexpr std::size_t kMostBytes = 4 << 20;
+void RequireSize(const std::string& text, const std::string& source) {
+  if (text.size() > kMostBytes)
+    throw Error(source + ": a file of parameters has at most " + Text(kMostBytes >> 10) + " KiB");
+}
 
 /// The text of a file; nothing where it cannot be read to its end.
 std::optional<std::string> ContentOf(const std::filesystem::path& file) {
@@ -133,19 +74,14 @@ struct UnitName {
 };
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr std::array kUnitNames{UnitName{"ms", "s", 1e-3},
-                                UnitName{"us", "s", 1e-6},
-                                UnitName{"min", "s", 60},
-                                UnitName{"mm", "m", 1e-3},
-                                UnitName{"cm", "m", 1e-2},
-                                UnitName{"deg", "rad", kDegree},
-                                UnitName{"deg/s", "rad/s", kDegree},
-                                UnitName{"mm/s", "m/s", 1e-3},
-                                UnitName{"g", "kg", 1e-3},
-                                UnitName{"mA", "A", 1e-3},
-                                UnitName{"Nm", "N·m", 1},
-                                UnitName{"N m", "N·m", 1},
-                                UnitName{"kg m²", "kg·m²", 1}};
+constexpr std::array kUnitNames{
+    UnitName{"ms", "s", 1e-3},       UnitName{"us", "s", 1e-6},
+    UnitName{"ns", "s", 1e-9},       UnitName{"min", "s", 60},
+    UnitName{"mm", "m", 1e-3},       UnitName{"cm", "m", 1e-2},
+    UnitName{"deg", "rad", kDegree}, UnitName{"deg/s", "rad/s", kDegree},
+    UnitName{"mm/s", "m/s", 1e-3},   UnitName{"g", "kg", 1e-3},
+    UnitName{"mA", "A", 1e-3},       UnitName{"Nm", "N·m", 1},
+    UnitName{"N m", "N·m", 1},       UnitName{"kg m²", "kg·m²", 1}};
 
 /// What one `name` is in `unit`; 0: something else.
 double FactorOf(std::string_view name, std::string_view unit) {
@@ -165,14 +101,25 @@ struct Amount {
   std::string unit;
 };
 
-std::optional<Amount> AmountOf(const YAML::Node& node) {
-  if (!node.IsScalar()) return {};
-  const std::string& word = node.Scalar();
+/// How YAML writes what is no finite number.
+std::optional<double> SpecialNumber(std::string_view word) {
+  constexpr double kInf = std::numeric_limits<double>::infinity();
+  constexpr std::array<std::pair<std::string_view, double>, 4> kAll{
+      {{".inf", kInf},
+       {"+.inf", kInf},
+       {"-.inf", -kInf},
+       {".nan", std::numeric_limits<double>::quiet_NaN()}}};
+  const auto found =
+      std::ranges::find(kAll, Lowercase(word), &std::pair<std::string_view, double>::first);
+  return found == kAll.end() ? std::nullopt : std::optional(found->second);
+}
+
+std::optional<Amount> AmountOf(std::string_view word) {
+  if (const auto special = SpecialNumber(word)) return Amount{*special, ""};
+  if (word.starts_with('+') && !word.starts_with("+-")) word.remove_prefix(1);
   Amount amount{0, ""};
-  if (YAML::convert<double>::decode(node, amount.number)) return amount;
-  const char* const begin = word.data() + (word.starts_with('+') ? 1 : 0);
-  const char* const end = word.data() + word.size();
-  const auto [behind, error] = std::from_chars(begin, end, amount.number);
+  const auto [behind, error] =
+      std::from_chars(word.data(), word.data() + word.size(), amount.number);
   if (error != std::errc{}) return {};
   const std::size_t unit =
       word.find_first_not_of(' ', static_cast<std::size_t>(behind - word.data()));
@@ -180,29 +127,247 @@ std::optional<Amount> AmountOf(const YAML::Node& node) {
   return amount;
 }
 
-/// What has been put in the place of values of the file, and where it came from.
-struct Document {
-  YAML::Node root;
-  std::vector<std::pair<YAML::Node, std::string>> overrides = {};
-};
+/// A word as YAML inside a list or map.
+std::string WordText(const std::string& word, bool quoted) {
+  const auto is_letter = [](unsigned char c) { return c < 0x80 && (std::isalnum(c) || c == '_'); };
+  const auto is_plain = [&](unsigned char c) {
+    return is_letter(c) ||
+           std::string_view(" .+-/").find(static_cast<char>(c)) != std::string::npos;
+  };
+  const std::size_t first = word.find_first_not_of(".+-");
+  const bool plain = !quoted && Lowercase(word) != "null" && std::ranges::all_of(word, is_plain) &&
+                     !word.ends_with(' ') && first <= 2 &&
+                     is_letter(static_cast<unsigned char>(word[first]));
+  return plain ? word : internal::YamlText(word);
+}
 
 }  // namespace
 
+/// What was read, or put there by Set. Aliases share what they stand for, so nothing of it changes.
 struct ParameterFile::Node {
-  std::shared_ptr<Document> document;
-  YAML::Node yaml;
-  std::string source;
-  bool of_file = true;  // not put there by Set
+  enum class Kind { Nothing, Word, List, Map };
+  struct Entry {
+    std::string key;  // of a map
+    YAML::Mark mark;  // of the key
+    std::shared_ptr<const Node> value;
+  };
 
-  /// A place inside this one.
-  std::shared_ptr<const Node> Inner(const YAML::Node& at) const {
-    for (const auto& [node, from] : document->overrides)
-      if (node.is(at)) return std::make_shared<const Node>(Node{document, at, from, false});
-    return std::make_shared<const Node>(Node{document, at, source, of_file});
+  Kind kind = Kind::Nothing;
+  std::shared_ptr<const std::string> source = {};
+  YAML::Mark mark = YAML::Mark::null_mark();  // null: not of a file
+  std::string tag = {};
+  std::string word = {};
+  bool quoted = false;
+  std::vector<Entry> inner = {};
+  std::size_t size = 1;  // how many values it is, with those inside
+
+  bool IsMapOrNothing() const { return kind == Kind::Map || kind == Kind::Nothing; }
+
+  std::string KindText() const {
+    switch (kind) {
+      case Kind::Map:
+        return "a map";
+      case Kind::List:
+        return "a list";
+      case Kind::Word:
+        return Quoted(word);
+      default:
+        return "nothing";
+    }
   }
+
+  std::string yaml() const {
+    const std::string begin = tag.empty() ? "" : "!" + tag + " ";
+    if (kind == Kind::Word) return begin + WordText(word, quoted);
+    if (kind == Kind::Nothing) return begin + (tag.empty() ? "~" : "");
+    std::string all;
+    for (const Entry& entry : inner)
+      all += (all.empty() ? "" : ", ") +
+             (kind == Kind::Map ? WordText(entry.key, false) + ": " : "") + entry.value->yaml();
+    return begin + (kind == Kind::Map ? "{" + all + "}" : "[" + all + "]");
+  }
+
+  /// With the value at `path` replaced; everything else is shared.
+  std::shared_ptr<const Node> With(const std::string& path,
+                                   const std::shared_ptr<const Node>& value) const {
+    const std::size_t dot = path.find('.');
+    const std::string key = path.substr(0, dot);
+    const auto fail = [&](const std::string& what) { throw Error(*value->source + ": " + what); };
+    if (key.empty()) fail("expected a path such as controller.pose.stiffness");
+    const auto place = inner.begin() + std::ptrdiff_t(PlaceOf(key, *value->source));
+    std::shared_ptr<const Node> child = value;
+    if (dot != std::string::npos) {
+      child = place == inner.end() ? std::make_shared<const Node>() : place->value;
+      if (child->kind == Kind::Nothing) {
+        Node made = *child;
+        made.source = value->source;
+        made.mark = YAML::Mark::null_mark();
+        child = std::make_shared<const Node>(std::move(made));
+      }
+      child = child->With(path.substr(dot + 1), value);
+    }
+    Node changed = *this;
+    if (kind == Kind::Nothing) changed.kind = Kind::Map;
+    Entry entry{key, YAML::Mark::null_mark(), child};
+    if (place == inner.end()) {
+      changed.inner.push_back(std::move(entry));
+    } else {
+      if (dot != std::string::npos) entry.mark = place->mark;
+      changed.inner[std::size_t(place - inner.begin())] = std::move(entry);
+    }
+    return std::make_shared<const Node>(std::move(changed));
+  }
+
+ private:
+  /// Where the value of a key is; at the end of a map if it has none.
+  std::size_t PlaceOf(const std::string& key, const std::string& from) const {
+    if (kind == Kind::Word)
+      throw Error(from + ": there is nothing inside " + KindText() + " to set as " + Quoted(key));
+    if (kind != Kind::List)
+      return std::size_t(std::ranges::find(inner, key, &Entry::key) - inner.begin());
+    std::size_t index = 0;
+    const auto [end, error] = std::from_chars(key.data(), key.data() + key.size(), index);
+    if (error != std::errc{} || end != key.data() + key.size() || index >= inner.size())
+      throw Error(from + ": " + Quoted(key) + " is none of the " + Text(inner.size()) +
+                  " elements, which are numbered from 0");
+    return index;
+  }
+};
+
+/// Makes nodes of a text. Refuses what is YAML and no parameter file as it is read, before there is
+/// more of it than fits.
+class ParameterFile::Reader final : public YAML::EventHandler {
+ public:
+  Reader(const std::string& source, bool is_file)
+      : source_{std::make_shared<const std::string>(source)}, is_file_{is_file} {
+    root_ = Made({});
+  }
+
+  std::shared_ptr<const Node> Read(const std::string& text) try {
+    RequireSize(text, *source_);
+    std::istringstream in(text);
+    YAML::Parser parser(in);
+    while (parser.HandleNextDocument(*this)) {
+    }
+    return root_;
+  } catch (const YAML::Exception& e) {
+    Fail(e.mark, e.msg);
+  }
+
+  void OnDocumentStart(const YAML::Mark& mark) override {
+    if (++documents_ > 1) Fail(mark, "a second document begins here; expected one");
+  }
+  void OnDocumentEnd() override {}
+
+  void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override {
+    ExpectValue(mark, 1);
+    Put(Made({.mark = Place(mark)}), anchor);
+  }
+  void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
+                const std::string& word) override {
+    if (at_key()) {
+      if (!open_.back().keys.insert(word).second) Fail(mark, Quoted(word) + " is given twice");
+      open_.back().node.inner.push_back({word, Place(mark), nullptr});
+      return;
+    }
+    ExpectValue(mark, 1);
+    const std::string given = TagOf(tag);
+    // A tag with nothing behind it comes as an empty word.
+    const bool nothing = !given.empty() && (word.empty() || word == "~");
+    Put(Made({.kind = nothing ? Node::Kind::Nothing : Node::Kind::Word,
+              .mark = Place(mark),
+              .tag = given,
+              .word = word,
+              .quoted = tag != "?"}),
+        anchor);
+  }
+  void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override {
+    if (std::ranges::find(open_, anchor, &Collection::anchor) != open_.end())
+      Fail(mark, "an alias stands for what it is a part of");
+    const auto found = anchored_.find(anchor);
+    ExpectValue(mark, found == anchored_.end() ? 1 : found->second->size);
+    Put(found == anchored_.end() ? Made({.mark = Place(mark)}) : found->second, 0);
+  }
+
+  void OnMapStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
+                  YAML::EmitterStyle::value) override {
+    Open(Node::Kind::Map, mark, tag, anchor);
+  }
+  void OnMapEnd() override { CloseLast(); }
+  void OnSequenceStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
+                       YAML::EmitterStyle::value) override {
+    Open(Node::Kind::List, mark, tag, anchor);
+  }
+  void OnSequenceEnd() override { CloseLast(); }
+
+ private:
+  static constexpr std::size_t kMostOpen = 32, kMostValues = 100'000;
+
+  struct Collection {
+    Node node;
+    YAML::anchor_t anchor;
+    std::set<std::string> keys;
+  };
+
   [[noreturn]] void Fail(const YAML::Mark& mark, const std::string& what) const {
-    FailAt(source, of_file ? mark : YAML::Mark::null_mark(), what);
+    FailAt(*source_, Place(mark), what);
   }
+  YAML::Mark Place(const YAML::Mark& mark) const {
+    return is_file_ ? mark : YAML::Mark::null_mark();
+  }
+  static std::string TagOf(const std::string& tag) {
+    return tag.starts_with('!') ? tag.substr(1) : "";
+  }
+  std::shared_ptr<const Node> Made(Node node) const {
+    node.source = source_;
+    return std::make_shared<const Node>(std::move(node));
+  }
+
+  /// Whether the next thing in a map is a key.
+  bool at_key() const {
+    if (open_.empty() || open_.back().node.kind != Node::Kind::Map) return false;
+    return open_.back().node.inner.empty() || open_.back().node.inner.back().value;
+  }
+  void ExpectValue(const YAML::Mark& mark, std::size_t size) {
+    if (at_key()) Fail(mark, "a key must be a word");
+    values_ += size;
+    if (values_ > kMostValues)
+      Fail(mark, "more than " + Text(kMostValues) +
+                     " values, those of an alias counted wherever it stands");
+  }
+  void Put(std::shared_ptr<const Node> node, YAML::anchor_t anchor) {
+    if (anchor != 0) anchored_[anchor] = node;
+    if (open_.empty()) {
+      root_ = std::move(node);
+      return;
+    }
+    Node& in = open_.back().node;
+    in.size += node->size;
+    if (in.kind == Node::Kind::Map)
+      in.inner.back().value = std::move(node);
+    else
+      in.inner.push_back({"", YAML::Mark::null_mark(), std::move(node)});
+  }
+  void Open(Node::Kind kind, const YAML::Mark& mark, const std::string& tag,
+            YAML::anchor_t anchor) {
+    ExpectValue(mark, 1);
+    if (open_.size() == kMostOpen)
+      Fail(mark, "more than " + Text(kMostOpen) + " maps and lists inside one another");
+    open_.push_back({{.kind = kind, .mark = Place(mark), .tag = TagOf(tag)}, anchor, {}});
+  }
+  void CloseLast() {
+    Collection last = std::move(open_.back());
+    open_.pop_back();
+    Put(Made(std::move(last.node)), last.anchor);
+  }
+
+  const std::shared_ptr<const std::string> source_;
+  const bool is_file_;
+  int documents_ = 0;
+  std::size_t values_ = 0;
+  std::shared_ptr<const Node> root_;
+  std::vector<Collection> open_;  // from the outermost to the one that is read
+  std::map<YAML::anchor_t, std::shared_ptr<const Node>> anchored_;
 };
 
 ParameterFile ParameterFile::Read(const std::filesystem::path& file) {
@@ -214,76 +379,28 @@ std::string ParameterFile::TextOf(const std::filesystem::path& file) {
   const std::optional<std::string> text =
       std::filesystem::is_directory(file, none) ? std::nullopt : ContentOf(file);
   if (!text) throw Error(file.string() + ": cannot be read");
-  if (text->size() > kMostBytes)
-    throw Error(file.string() + ": a file of parameters has at most 4 MiB");
+  RequireSize(*text, file.string());
   return *text;
 }
 
-ParameterFile ParameterFile::ReadText(const std::string& text, const std::string& source) try {
-  std::istringstream in(text);
-  YAML::Parser parser(in);
-  Check check(source);
-  while (parser.HandleNextDocument(check)) {
-  }
-  const auto document = std::make_shared<Document>(Document{YAML::Load(text)});
-  return ParameterFile(std::make_shared<const Node>(Node{document, document->root, source}));
-} catch (const YAML::Exception& e) {
-  FailAt(source, e.mark, e.msg);
+ParameterFile ParameterFile::ReadText(const std::string& text, const std::string& source) {
+  return ParameterFile(Reader(source, true).Read(text));
 }
 
 void ParameterFile::Set(const std::string& path, const std::string& yaml,
                         const std::string& source) {
-  Document& document = *node_->document;
-  const YAML::Node value = ReadText(yaml, source).node_->yaml;
-  YAML::Node at = node_->yaml;
-  const auto put = [&](YAML::Node parent, const std::string& key, const YAML::Node& child) {
-    if (parent.IsSequence()) {
-      std::size_t index = 0;
-      const auto [end, error] = std::from_chars(key.data(), key.data() + key.size(), index);
-      if (error != std::errc{} || end != key.data() + key.size() || index >= parent.size())
-        throw Error(source + ": '" + Short(key) + "' is none of the " + Text(parent.size()) +
-                    " elements, which are numbered from 0");
-      if (child.IsDefined()) parent[index] = child;
-      return parent[index];
-    }
-    if (!parent.IsMap() && !parent.IsNull())
-      throw Error(source + ": there is nothing inside " + KindOf(parent) + " to set as '" +
-                  Short(key) + "'");
-    if (child.IsDefined()) parent[key] = child;
-    return parent[key];
-  };
-  for (std::size_t begin = 0; begin <= path.size();) {
-    const std::size_t dot = std::min(path.find('.', begin), path.size());
-    const std::string key = path.substr(begin, dot - begin);
-    if (key.empty()) throw Error(source + ": expected a path such as controller.pose.stiffness");
-    begin = dot + 1;
-    const bool last = dot == path.size();
-    YAML::Node inner = last ? value : YAML::Node(YAML::NodeType::Undefined);
-    inner.reset(put(at, key, last ? value : YAML::Node(YAML::NodeType::Undefined)));
-    if (!last && (!inner.IsDefined() || inner.IsNull())) {
-      const YAML::Node map(YAML::NodeType::Map);
-      inner.reset(put(at, key, map));
-      document.overrides.emplace_back(inner, source);
-    }
-    if (last) document.overrides.emplace_back(inner, source);
-    at.reset(inner);
-  }
+  node_ = node_->With(path, Reader(source, false).Read(yaml));
 }
 
-void ParameterFile::Fail(const std::string& what) const { node_->Fail(node_->yaml.Mark(), what); }
-
-bool ParameterFile::IsNull() const { return node_->yaml.IsNull(); }
-
-std::string ParameterFile::yaml() const {
-  YAML::Emitter out;
-  out << YAML::Flow << node_->yaml;
-  return out.c_str();
+void ParameterFile::Fail(const std::string& what) const {
+  FailAt(*node_->source, node_->mark, what);
 }
 
-std::string ParameterFile::tag() const {
-  const std::string& tag = node_->yaml.Tag();
-  return tag.starts_with("!") && tag.size() > 1 ? tag.substr(1) : "";
-}
+bool ParameterFile::IsNull() const { return node_->kind == Node::Kind::Nothing; }
+
+std::string ParameterFile::yaml() const { return node_->yaml(); }
+
+std::string ParameterFile::tag() const { return node_->tag; }
 
 void ParameterFile::FailTag(const std::vector<std::string>& known) const {
   std::string list;
@@ -294,22 +411,23 @@ void ParameterFile::FailTag(const std::vector<std::string>& known) const {
 }
 
 bool ParameterFile::flag() const {
-  bool value = false;
-  if (!node_->yaml.IsScalar() || !YAML::convert<bool>::decode(node_->yaml, value))
-    Fail("expected true or false, got " + KindOf(node_->yaml));
-  return value;
+  const std::string word = node_->kind == Node::Kind::Word ? Lowercase(node_->word) : "";
+  const bool on = word == "true" || word == "yes" || word == "on";
+  if (!on && word != "false" && word != "no" && word != "off")
+    Fail("expected true or false, got " + node_->KindText());
+  return on;
 }
 
 double ParameterFile::number() const { return NumberIn("", "", {.most = kUnbounded}); }
 
 double ParameterFile::NumberIn(std::string_view name, std::string_view unit,
                                const Range& range) const {
-  const std::optional<Amount> amount = AmountOf(node_->yaml);
-  if (!amount) Fail("expected a number" + InUnit(unit) + ", got " + KindOf(node_->yaml));
+  const std::optional<Amount> amount = AmountOf(node_->word);
+  if (!amount) Fail("expected a number" + InUnit(unit) + ", got " + node_->KindText());
   const double factor = FactorOf(amount->unit, unit);
   if (factor == 0)
     Fail((unit.empty() ? "expected a number without a unit" : "expected a number" + InUnit(unit)) +
-         ", got " + KindOf(node_->yaml));
+         ", got " + node_->KindText());
   const double value = factor * amount->number;
   try {
     RequireInRange("", name, value, unit, range);
@@ -320,22 +438,22 @@ double ParameterFile::NumberIn(std::string_view name, std::string_view unit,
 }
 
 Duration ParameterFile::duration() const {
-  const std::optional<Amount> amount = AmountOf(node_->yaml);
+  const std::optional<Amount> amount = AmountOf(node_->word);
   if (amount && amount->unit == "Hz" && amount->number >= 1 && amount->number <= 1e9 &&
       amount->number == std::floor(amount->number))
     return Hertz(static_cast<std::int64_t>(amount->number));
   const double factor = amount ? FactorOf(amount->unit, "s") : 0;
   const double ns = amount ? std::round(1e9 * factor * amount->number) : 0;
   if (!amount || amount->unit.empty() || factor == 0 || !(ns >= 0) || ns > 9e18)
-    Fail("expected a time such as 1 ms or a rate such as 30 Hz, got " + KindOf(node_->yaml));
+    Fail("expected a time such as 1 ms or a rate such as 30 Hz, got " + node_->KindText());
   return Duration::Nanoseconds(static_cast<std::int64_t>(ns));
 }
 
 std::vector<ParameterFile> ParameterFile::elements() const {
-  if (node_->yaml.IsNull()) return {};
-  if (!node_->yaml.IsSequence()) Fail("expected a list, got " + KindOf(node_->yaml));
+  if (IsNull()) return {};
+  if (node_->kind != Node::Kind::List) Fail("expected a list, got " + node_->KindText());
   std::vector<ParameterFile> all;
-  for (const YAML::Node& element : node_->yaml) all.push_back(ParameterFile(node_->Inner(element)));
+  for (const Node::Entry& entry : node_->inner) all.push_back(ParameterFile(entry.value));
   return all;
 }
 
@@ -350,32 +468,32 @@ std::vector<ParameterFile> ParameterFile::ElementsOf(std::ptrdiff_t fixed,
 }
 
 std::string ParameterFile::text() const {
-  if (!node_->yaml.IsScalar()) Fail("expected a word, got " + KindOf(node_->yaml));
-  return node_->yaml.Scalar();
+  if (node_->kind != Node::Kind::Word) Fail("expected a word, got " + node_->KindText());
+  return node_->word;
 }
 
 std::size_t ParameterFile::OneOf(const std::vector<std::string>& known) const {
   const std::string word = text();
   const auto found = std::ranges::find(known, word);
   if (found == known.end())
-    Fail("expected one of " + Listed(known) + ", got '" + Short(word) + "'" +
+    Fail("expected one of " + Listed(known) + ", got " + Quoted(word) +
          DidYouMean(Short(word), known));
   return static_cast<std::size_t>(found - known.begin());
 }
 
 std::vector<std::pair<std::string, ParameterFile>> ParameterFile::entries() const {
-  if (node_->yaml.IsNull()) return {};
-  if (!node_->yaml.IsMap()) Fail("expected a map, got " + KindOf(node_->yaml));
+  if (!node_->IsMapOrNothing()) Fail("expected a map, got " + node_->KindText());
   std::vector<std::pair<std::string, ParameterFile>> all;
-  for (const auto& entry : node_->yaml)
-    all.emplace_back(entry.first.Scalar(), ParameterFile(node_->Inner(entry.second)));
+  for (const Node::Entry& entry : node_->inner)
+    all.emplace_back(entry.key, ParameterFile(entry.value));
   return all;
 }
 
 std::optional<ParameterFile> ParameterFile::Find(std::string_view key) const {
-  for (auto& [name, value] : entries())
-    if (name == key) return value;
-  return {};
+  if (!node_->IsMapOrNothing()) Fail("expected a map, got " + node_->KindText());
+  const auto found = std::ranges::find(node_->inner, key, &Node::Entry::key);
+  if (found == node_->inner.end()) return {};
+  return ParameterFile(found->value);
 }
 
 ParameterFile ParameterFile::operator[](std::string_view key) const {
@@ -385,14 +503,12 @@ ParameterFile ParameterFile::operator[](std::string_view key) const {
 }
 
 void ParameterFile::RequireKeys(const std::vector<std::string>& known) const {
-  if (node_->yaml.IsNull()) return;
-  if (!node_->yaml.IsMap()) Fail("expected a map, got " + KindOf(node_->yaml));
-  for (const auto& entry : node_->yaml)
-    if (const std::string& key = entry.first.Scalar(); std::ranges::find(known, key) == known.end())
-      node_->Inner(entry.second)
-          ->Fail(entry.first.Mark(), "there is no " + Quoted(key) + " here" +
-                                         DidYouMean(Short(key), known) +
-                                         "\n  known: " + Listed(known));
+  if (!node_->IsMapOrNothing()) Fail("expected a map, got " + node_->KindText());
+  for (const auto& [key, mark, value] : node_->inner)
+    if (std::ranges::find(known, key) == known.end())
+      FailAt(*value->source, mark,
+             "there is no " + Quoted(key) + " here" + DidYouMean(Short(key), known) +
+                 "\n  known: " + Listed(known));
 }
 
 }  // namespace pliant

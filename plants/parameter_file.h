@@ -1,7 +1,9 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -24,8 +26,9 @@ using Overrides = std::vector<std::pair<std::string, std::string>>;
 class ParameterFile {
  public:
   /// The whole file. Refuses what is no YAML, keys given twice, keys that are no words, aliases
-  /// that contain themselves, more than 32 maps and lists inside one another, a second document,
-  /// files that cannot be read, and files of more than 4 MiB.
+  /// that contain themselves, more than 32 maps and lists inside one another, more than
+  /// 100 000 values (those of an alias count wherever it stands), a second document, files that
+  /// cannot be read, and files of more than 512 KiB.
   static ParameterFile Read(const std::filesystem::path& file);
   /// What ReadText takes, of a file.
   static std::string TextOf(const std::filesystem::path& file);
@@ -33,7 +36,8 @@ class ParameterFile {
   static ParameterFile ReadText(const std::string& text, const std::string& source = "YAML");
 
   /// Puts YAML in the place of the value at `path`, keys and indices from 0 with dots between
-  /// them; what is not there is made. What is wrong with it is an Error "<source>: …".
+  /// them; what is not there is made. Other users of an alias keep what they have. What is wrong
+  /// with it is an Error "<source>: …".
   void Set(const std::string& path, const std::string& yaml, const std::string& source);
 
   double number() const;
@@ -73,6 +77,7 @@ class ParameterFile {
 
  private:
   struct Node;
+  class Reader;
   explicit ParameterFile(std::shared_ptr<const Node> node) : node_{std::move(node)} {}
 
   [[noreturn]] void FailTag(const std::vector<std::string>& known) const;
@@ -147,8 +152,13 @@ void ParameterFile::Read(T& value, std::string_view name, std::string_view unit,
     value = flag();
   } else if constexpr (std::is_integral_v<T>) {
     const double number = NumberIn(name, unit, range);
+    constexpr T kLeast = std::numeric_limits<T>::min(), kMost = std::numeric_limits<T>::max();
+    // The greatest T may be no double; what lies above it by one always is.
+    constexpr double kAbove = 2.0 * static_cast<double>(kMost / 2 + 1);
+    if (!(number >= static_cast<double>(kLeast) && number < kAbove && number == std::floor(number)))
+      Fail("expected a whole number from " + Text(kLeast) + " to " + Text(kMost) + ", got " +
+           text());
     value = static_cast<T>(number);
-    if (static_cast<double>(value) != number) Fail("expected a whole number, got " + text());
   } else if constexpr (std::is_floating_point_v<T>) {
     value = NumberIn(name, unit, range);
   } else if constexpr (std::is_same_v<T, std::string>) {

@@ -2,8 +2,11 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <ctime>
 #include <fstream>
 
 #include "pliant/plants/actuator_parameters.h"
@@ -21,6 +24,12 @@ using testing::StartsWith;
 const std::string kSource = "arm.yaml";
 
 std::string ActuatorsOfGen3() { return ReadText(PLIANT_SOURCE_DIR "/models/gen3/actuators.yaml"); }
+
+std::string Repeated(const std::string& part, std::size_t times) {
+  std::string all;
+  while (times-- > 0) all += part;
+  return all;
+}
 
 std::string ErrorIn(const std::string& text) {
   return ErrorOf([&] { ParameterFile::ReadText(text, kSource); });
@@ -121,7 +130,7 @@ TEST(ParameterFile, RefusesDeepNesting) {
 }
 
 TEST(ParameterFile, QuotesOnlyTheBeginningOfHugeWords) {
-  const std::string huge(1'000'000, 'x');
+  const std::string huge(100'000, 'x');
   const std::string start = std::string(60, 'x') + "…'";
   const auto error = [](const std::string& text, auto use) {
     return ErrorOf([&] { use(ParameterFile::ReadText(text, kSource)); });
@@ -133,16 +142,16 @@ TEST(ParameterFile, QuotesOnlyTheBeginningOfHugeWords) {
   EXPECT_THAT(error("{? " + huge + " : 1}", [](const ParameterFile& f) { f.RequireKeys({"a"}); }),
               StartsWith("arm.yaml:1:4: there is no '" + start + " here"));
   EXPECT_EQ(ErrorIn("{? " + huge + " : 1, ? " + huge + " : 2}"),
-            "arm.yaml:1:1000012: '" + start + " is given twice");
+            "arm.yaml:1:100012: '" + start + " is given twice");
   EXPECT_EQ(error(std::string(400, '9'), [](const ParameterFile& f) { f.number(); }),
             "arm.yaml:1:1: expected a number, got '" + std::string(60, '9') + "…'");
 }
 
 TEST(ParameterFile, RefusesManyKeysQuickly) {
   std::string text;
-  for (int i = 0; i < 50'000; ++i) text += "key_" + Text(i) + ": 1\n";
+  for (int i = 0; i < 20'000; ++i) text += "key_" + Text(i) + ": 1\n";
   EXPECT_EQ(ErrorIn(text), "no error");
-  EXPECT_EQ(ErrorIn(text + "key_7: 1\n"), "arm.yaml:50001:1: 'key_7' is given twice");
+  EXPECT_EQ(ErrorIn(text + "key_7: 1\n"), "arm.yaml:20001:1: 'key_7' is given twice");
 }
 
 TEST(ParameterFile, TakesBinaryBytesForWords) {
@@ -158,13 +167,84 @@ TEST(ParameterFile, TakesBinaryBytesForWords) {
 TEST(ParameterFile, FollowsAliases) {
   const auto file = ParameterFile::ReadText("a: &one {x: 3}\nb: *one\n", kSource);
   EXPECT_EQ(file["b"]["x"].number(), 3);
-  // What is reached in 2³⁰ ways is looked at once.
+  EXPECT_EQ(ParameterFile::ReadText("a: &x 1\nb: &x 2\nc: *x\n")["c"].number(), 2);
+}
+
+/// The most memory that this process has ever had [bytes].
+std::size_t Peak() {
+  rusage usage;
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<std::size_t>(usage.ru_maxrss) << 10;
+}
+
+/// Reads what an adversary wrote: an answer within a second and some 220 bytes for each of it.
+std::string AnswerTo(const std::string& text) {
+  const std::size_t before = Peak();
+  const std::clock_t begin = std::clock();
+  const std::string answer = ErrorIn(text);
+  EXPECT_LT(static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC, 1) << text.substr(0, 80);
+  EXPECT_LT(Peak() - before, 150u << 20) << text.substr(0, 80);
+  return answer;
+}
+
+TEST(ParameterFile, RefusesAliasesThatDouble) {
   std::string doubling = "a0: &a0 1\n";
   for (int i = 1; i <= 30; ++i) {
     const std::string last = "*a" + Text(i - 1), name = "a" + Text(i);
     doubling += name + ": &" + name + " [" + last + ", " + last + "]\n";
   }
-  EXPECT_EQ(ErrorIn(doubling), "no error");
+  // a_i is 2^(i+1) − 1 values, so with those before it 2^(i+2) − i − 3: too many at the second half
+  // of a15.
+  EXPECT_EQ(
+      AnswerTo(doubling),
+      "arm.yaml:16:18: more than 100000 values, those of an alias counted wherever it stands");
+  EXPECT_THAT(AnswerTo("a: &a {x: [1]}\nb: [" + Repeated("*a, ", 40'000) + "1]\n"),
+              HasSubstr("more than 100000 values"));
+}
+
+TEST(ParameterFile, AnswersToHugeTextsWithinBounds) {
+  for (const std::string begin : {"", "a: ", "{a: ", "- "})
+    for (const std::string part : {"[",
+                                   "{",
+                                   "]",
+                                   "}",
+                                   "- ",
+                                   "? ",
+                                   ": ",
+                                   ",",
+                                   "1, ",
+                                   "a: ",
+                                   "a: 1\n",
+                                   "- 1\n",
+                                   "&a ",
+                                   "*a ",
+                                   "!a ",
+                                   "\"",
+                                   "'",
+                                   "''",
+                                   "|\n",
+                                   ">\n ",
+                                   "#",
+                                   "# a\n",
+                                   "\n",
+                                   "\t",
+                                   " ",
+                                   "\r\n",
+                                   "---\n",
+                                   "...\n",
+                                   "%YAML 1.2\n",
+                                   "\xff",
+                                   std::string(1, '\0').c_str(),
+                                   "é",
+                                   "\\",
+                                   "\"a\": ",
+                                   "[a]: ",
+                                   "{a: 1}\n",
+                                   "- - ",
+                                   "? a\n",
+                                   "a\n",
+                                   "[]\n, "})
+      AnswerTo(begin + Repeated(part, 524'288 / std::max<std::size_t>(part.size(), 1)));
 }
 
 TEST(ParameterFile, RefusesAliasesThatContainThemselves) {
@@ -217,6 +297,14 @@ TEST(ParameterFile, RefusesFilesThatCannotBeRead) {
   std::filesystem::permissions(file, std::filesystem::perms::none);
   const bool readable = access(file.c_str(), R_OK) == 0;  // as everything is to root
   EXPECT_EQ(error(file), readable ? "no error" : refused(file));
+
+  const std::filesystem::path huge = directory.path() / "huge.yaml";
+  std::ofstream(huge) << "a: 1\n";
+  std::filesystem::resize_file(huge, 100 << 20);
+  const std::size_t before = Peak();
+  EXPECT_EQ(error(huge), huge.string() + ": a file of parameters has at most 512 KiB");
+  EXPECT_EQ(error("/dev/zero"), "/dev/zero: a file of parameters has at most 512 KiB");
+  EXPECT_LT(Peak() - before, 20u << 20);
 
   std::ofstream(directory.path() / "empty.yaml");
   EXPECT_EQ(error(directory.path() / "empty.yaml"), "no error");
