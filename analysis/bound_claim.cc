@@ -1,26 +1,39 @@
 #include "pliant/analysis/bound_claim.h"
 
+#include <algorithm>
 #include <cmath>
 
+#include "pliant/analysis/series.h"
 #include "pliant/analysis/with_unit.h"
 
 namespace pliant {
 
 namespace {
 
-/// The rows of the named elements, or all.
-Eigen::MatrixXd Picked(const RecordedSignal& signal, const std::vector<std::string>& elements) {
-  if (elements.empty()) return signal.numbers;
-  Eigen::MatrixXd rows(static_cast<Eigen::Index>(elements.size()), signal.times.size());
-  for (std::size_t i = 0; i < elements.size(); ++i)
-    rows.row(static_cast<Eigen::Index>(i)) = signal[elements[i]].transpose();
-  return rows;
-}
+/// Some elements of a signal, and the unit they share.
+struct Picked {
+  Picked(const RecordedSignal& signal, const std::vector<std::string>& elements) {
+    std::vector<Eigen::Index> rows;
+    for (const std::string& element : elements) rows.push_back(signal.row(element));
+    if (elements.empty())
+      for (Eigen::Index i = 0; i < std::ssize(signal.elements); ++i) rows.push_back(i);
+    Require(!rows.empty(), signal.path + " has no elements");
+    unit = signal.units[static_cast<std::size_t>(rows.front())];
+    for (const Eigen::Index row : rows)
+      if (const std::string& other = signal.units[static_cast<std::size_t>(row)]; other != unit)
+        throw Error("the elements of " + signal.path + " are in [" + unit + "] and in [" + other +
+                    "]; name elements of one unit");
+    numbers = signal.numbers(rows, Eigen::all);
+  }
+
+  Series numbers;
+  std::string unit;
+};
 
 double Of(Statistic statistic, const Eigen::VectorXd& x) {
   switch (statistic) {
     case Statistic::Peak:
-      return x.maxCoeff();
+      return Largest(x);
     case Statistic::Rms:
       return std::sqrt(x.squaredNorm() / static_cast<double>(x.size()));
     case Statistic::Mean:
@@ -33,21 +46,27 @@ double Of(Statistic statistic, const Eigen::VectorXd& x) {
 
 }  // namespace
 
+void BoundClaim::RequireFits(const Scenario& scenario) const {
+  Require(std::isfinite(least) || std::isfinite(most), "least or most must be given");
+  Require(from_s <= std::min(to_s, scenario.duration_s),
+          "from_s must be <= to_s and the duration of its run", from_s);
+}
+
+void BoundClaim::RequireSound(const RecordedSignal& recorded) const { Picked(recorded, elements); }
+
 Claim BoundClaim::Check(const Runs& runs) const {
-  const std::string where = "claim '" + claim.id + "': ";
   const RecordedSignal& recorded = runs[run].log[signal];
-  const Eigen::VectorXd norm = Picked(recorded, elements).colwise().norm();
+  const Picked picked(recorded, elements);
+  const Eigen::VectorXd norms = Norms(picked.numbers);
   const Eigen::Index begin = (recorded.times.array() < from_s).count();
   const Eigen::Index end = (recorded.times.array() <= to_s).count();
-  Require(begin < end, where + "no row of " + signal + " lies between from_s and to_s",
+  Require(begin < end, "claim '" + claim.id + "': no row of " + signal + " lies between from_s and to_s",
           Text(from_s) + " and " + Text(to_s));
-  const double value = Of(statistic, norm.segment(begin, end - begin));
-  const std::string unit = recorded.units.empty() ? "" : recorded.units.front();
+  const double value = Of(statistic, norms.segment(begin, end - begin));
   std::string criterion;
-  if (std::isfinite(least)) criterion = "at least " + WithUnit(least, unit);
+  if (std::isfinite(least)) criterion = "at least " + WithUnit(least, picked.unit);
   if (std::isfinite(most))
-    criterion += (criterion.empty() ? "at most " : ", at most ") + WithUnit(most, unit);
-  Require(!criterion.empty(), where + "least or most must be given");
+    criterion += (criterion.empty() ? "at most " : ", at most ") + WithUnit(most, picked.unit);
   std::string what;
   for (const std::string& element : elements) what += (what.empty() ? "[" : ", ") + element;
   const std::string& word = Words(statistic)[static_cast<std::size_t>(statistic)];
@@ -55,7 +74,7 @@ Claim BoundClaim::Check(const Runs& runs) const {
           .source = claim.source,
           .paper = claim.paper,
           .measured = word + " of " + signal + (what.empty() ? "" : what + "]") + " is " +
-                      WithUnit(value, unit),
+                      WithUnit(value, picked.unit),
           .criterion = criterion,
           .basis = basis,
           .holds = value >= least && value <= most};

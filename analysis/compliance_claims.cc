@@ -14,14 +14,9 @@ namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
 
-/// Largest norm of rows [first, first + rows) over time.
-double Peak(const Series& all, int first, int rows) {
-  return all.middleRows(first, rows).colwise().norm().maxCoeff();
-}
-
 double LargestTurn(const RunData& run) {
   const Series& q = run["arm.measured_position"];
-  return (q.colwise() - q.col(0)).cwiseAbs().maxCoeff();
+  return Largest((q.colwise() - q.col(0)).cwiseAbs());
 }
 
 /// A claim as it is stated in all three places: file, report, verdict.
@@ -36,22 +31,19 @@ Claim Stated(const ClaimSource& source, std::string measured, std::string criter
           .holds = holds};
 }
 
-/// 1: the run used all of a limit; positions count from the middle of their range.
-struct Use {
-  double position = 0, velocity = 0, torque = 0;
-  double most() const { return std::max({position, velocity, torque}); }
-};
-
-Use UseOfLimits(const RunData& run, int joint) {
+/// The largest part of a limit that a joint used: of velocity, torque and, counted from the middle
+/// of its range, of position. 1: all of it.
+double UseOfLimits(const RunData& run, int joint) {
   const Joint& j = run.arm.model.joint(joint);
-  Use use{.velocity = run["arm.measured_velocity"].row(joint).cwiseAbs().maxCoeff() / j.velocity,
-          .torque = run["control.torque"].row(joint).cwiseAbs().maxCoeff() / j.effort};
-  if (j.type != Joint::Type::Continuous) {
-    const double middle = 0.5 * (j.lower + j.upper), half = 0.5 * (j.upper - j.lower);
-    use.position =
-        (run["arm.measured_position"].row(joint).array() - middle).abs().maxCoeff() / half;
-  }
-  return use;
+  const auto largest = [&](const char* path, double middle) {
+    return Largest((run[path].row(joint).array() - middle).abs());
+  };
+  Eigen::Array3d use{largest("arm.measured_velocity", 0) / j.velocity,
+                     largest("control.torque", 0) / j.effort, 0};
+  if (j.type != Joint::Type::Continuous)
+    use(2) = largest("arm.measured_position", 0.5 * (j.lower + j.upper)) /
+             (0.5 * (j.upper - j.lower));
+  return Largest(use);
 }
 
 /// How far the tool may stand off without anybody pushing [m]. At rest λ (τ_d − τ − b) + l ± s ± s
@@ -84,8 +76,8 @@ struct ToolBound {
   ToolBound(const RunData& run, double allowed) : factor{allowed} {
     const Series predicted = PredictedError(run);
     const Series& error = run["control.pose_error"];
-    shift = Peak(error, 3, 3), predicted_shift = Peak(predicted, 3, 3);
-    turn = Peak(error, 0, 3), predicted_turn = Peak(predicted, 0, 3);
+    shift = Largest(Norms(Linear(error))), predicted_shift = Largest(Norms(Linear(predicted)));
+    turn = Largest(Norms(Angular(error))), predicted_turn = Largest(Norms(Angular(predicted)));
   }
   bool holds() const { return shift < factor * predicted_shift && turn < factor * predicted_turn; }
   std::string measured() const {
@@ -96,16 +88,16 @@ struct ToolBound {
   double factor, shift, predicted_shift, turn, predicted_turn;
 };
 
-/// The sample at which the last push has lasted longest at its full force.
-Eigen::Index EndOfPlateau(const RunData& run) {
-  const std::vector<Push::Options> pushes = PushesOf(run.scenario);
-  Require(!pushes.empty(), "run '" + run.name + "' has no push in its environment");
+/// When the last push has lasted longest at its full force [s].
+double EndOfPlateau(const Scenario& scenario) {
+  const std::vector<Push::Options> pushes = PushesOf(scenario);
+  Require(!pushes.empty(), "its run has no push in its environment");
   const auto last = std::ranges::max_element(pushes, {}, &Push::Options::start_s);
   const double end = last->start_s + last->duration_s - last->edge_s;
-  const Eigen::VectorXd& t = run.times();
-  Require(end <= t(t.size() - 1), "run '" + run.name + "' ends before its last push has lasted",
-          WithUnit(t(t.size() - 1), "s"));
-  return std::ranges::lower_bound(t, end) - t.begin();
+  Require(end < scenario.duration_s,
+          "its run must be longer than " + WithUnit(end, "s") + ", when its last push fades",
+          WithUnit(scenario.duration_s, "s"));
+  return end;
 }
 
 }  // namespace
@@ -114,7 +106,8 @@ Series PredictedError(const RunData& run) {
   const ComplianceControl::Options& o = run.control;
   const Series a = TaskAcceleration(run.arm.model, o.tool, run["arm.measured_position"],
                                     run["true_torque.torque"], o.rotor_inertia);
-  return DeviationBehindObserver(a, o.observer_gain, o.pose.damping, o.pose.stiffness, o.period);
+  return DeviationBehindObserver(a, o.observer_gain, o.pose.damping, o.pose.stiffness,
+                                 run.sample_period());
 }
 
 Series StaticError(const RunData& run) {
@@ -127,7 +120,7 @@ Series StaticError(const RunData& run) {
 Claim StandsStill::Check(const Runs& runs) const {
   const RunData& of = runs[run];
   const bool real = of.control.low_level.has_value();
-  const double turn = LargestTurn(of), shift = Peak(of["control.pose_error"], 3, 3);
+  const double turn = LargestTurn(of), shift = Largest(Norms(Linear(of["control.pose_error"])));
   // Ideal: the states are at rest, so the integrator adds nothing; what its tolerance would allow
   // is the bound.
   const double bound = real ? StaticOffset(of) : of.scenario.integrator.absolute_tolerance;
@@ -156,9 +149,12 @@ Claim HoldsTool::Check(const Runs& runs) const {
       tool.holds() && turn >= joints_more_than_deg);
 }
 
+void YieldsAsInertia::RequireFits(const Scenario& scenario) const { EndOfPlateau(scenario); }
+
 Claim YieldsAsInertia::Check(const Runs& runs) const {
   const RunData& of = runs[run];
-  const Eigen::Index k = EndOfPlateau(of);
+  const Eigen::VectorXd& t = of.times();
+  const Eigen::Index k = std::ranges::lower_bound(t, EndOfPlateau(of.scenario)) - t.begin();
   const Eigen::Vector3d e = of["control.pose_error"].col(k).tail(3);
   const Eigen::Vector3d expected = StaticError(of).col(k).tail(3);
   const double off = (e - expected).norm() / expected.norm();
@@ -181,11 +177,13 @@ Claim KeepsLimits::Check(const Runs& runs) const {
   Eigen::Index relaxed = 0, fallback = 0;
   for (const RunData* run : runs.all()) {
     const Eigen::VectorXd outcome = run->log["control.report"]["outcome"];
-    relaxed += (outcome.array() == 1).count();
-    fallback += (outcome.array() == 2).count();
+    using Outcome = ComplianceQpReport::Outcome;
+    relaxed += (outcome.array() == static_cast<double>(Outcome::Relaxed)).count();
+    fallback += (outcome.array() == static_cast<double>(Outcome::Fallback)).count();
     for (int j = 0; j < run->arm.model.size(); ++j) {
-      const double use = UseOfLimits(*run, j).most();
-      if (use > most) most = use, where = run->arm.model.joint(j).name + ", " + run->title;
+      const double use = UseOfLimits(*run, j);
+      // What is not a number is worse than all.
+      if (!(use <= most)) most = use, where = run->arm.model.joint(j).name + ", " + run->title;
     }
   }
   return Stated(claim,

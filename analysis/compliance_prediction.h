@@ -2,14 +2,12 @@
 
 #include <Eigen/Core>
 
+#include "pliant/analysis/series.h"
 #include "pliant/plants/robot_model.h"
 #include "pliant/systems/signal.h"
 #include "pliant/systems/time.h"
 
 namespace pliant {
-
-/// Numbers over time, a column per sample.
-using Series = Eigen::MatrixXd;
 
 /// What a task that gives way nowhere (Γ = 0) still deviates, because its controller learns of the
 /// push a late through an observer with gain K:

@@ -1,6 +1,7 @@
 #include "pliant/analysis/experiment.h"
 
 #include <algorithm>
+#include <cctype>
 #include <set>
 
 #include "pliant/analysis/parameter_schema.h"
@@ -18,7 +19,10 @@ constexpr std::size_t kLongestName = 100;  // with "-99999.mcap.part" a file sti
 class NamesOnly final : public RecordSink {
  public:
   int Open(std::vector<RecordedValue> values) override {
-    for (RecordedValue& value : values) signals.push_back({std::move(value), {}, {}});
+    for (RecordedValue& value : values) {
+      const Eigen::MatrixXd none(value.elements.size(), 0);
+      signals.push_back({std::move(value), {}, none});
+    }
     return 0;
   }
   std::span<double> Begin(int, std::int64_t) noexcept override { return {}; }
@@ -52,49 +56,74 @@ void CheckRunNames(const std::vector<RunOf>& runs) {
   }
 }
 
-void CheckRunExists(const std::string& where, const std::string& run,
-                    const std::vector<std::string>& names) {
-  if (std::ranges::find(names, run) == names.end())
-    throw Error(where + ": there is no run '" + run + "'" + DidYouMean(run, names));
+/// A run and what its log will hold, before there is one.
+struct Planned {
+  std::string name;
+  Scenario scenario;
+  Recording recorded;
+};
+
+const Planned& Find(const std::string& name, const std::vector<Planned>& runs) {
+  const auto found = std::ranges::find(runs, name, &Planned::name);
+  if (found != runs.end()) return *found;
+  std::vector<std::string> names;
+  for (const Planned& run : runs) names.push_back(run.name);
+  throw Error("there is no run '" + name + "'" + DidYouMean(name, names));
 }
 
-/// What a claim or a figure names must be there.
+/// What a claim or a figure names must be there, and give sense.
 template <class Part>
-void CheckNames(const std::string& where, const Part& part, const std::vector<std::string>& runs,
-                const Recording& recorded) {
-  if constexpr (requires { part.run; }) CheckRunExists(where, part.run, runs);
-  if constexpr (requires { part.runs; })
-    for (const std::string& run : part.runs) CheckRunExists(where, run, runs);
-  if constexpr (requires { part.behind_observer; }) {
-    for (const std::string& run : part.behind_observer) CheckRunExists(where, run, runs);
-    for (const std::string& run : part.as_if_static) CheckRunExists(where, run, runs);
+void Check(const Part& part, const std::vector<Planned>& runs) {
+  if constexpr (requires { part.run; }) {
+    const Planned& run = Find(part.run, runs);
+    if constexpr (requires { part.RequireFits(run.scenario); }) part.RequireFits(run.scenario);
+    if constexpr (requires { part.signal; }) part.RequireSound(run.recorded[part.signal]);
   }
+  if constexpr (requires { part.runs; })
+    for (const std::string& name : part.runs) {
+      const Planned& run = Find(name, runs);
+      if constexpr (requires { part.signals; })
+        for (const std::string& signal : part.signals) run.recorded[signal];
+    }
+  if constexpr (requires { part.behind_observer; })
+    for (const auto* names : {&part.behind_observer, &part.as_if_static})
+      for (const std::string& name : *names) Find(name, runs);
+}
+
+template <class Part>
+void CheckAt(const std::string& where, const Part& part, const std::vector<Planned>& runs) {
   try {
-    if constexpr (requires { part.signal; })
-      for (const std::string& element : part.elements) recorded[part.signal][element];
-    if constexpr (requires { part.signal; }) recorded[part.signal];
-    if constexpr (requires { part.signals; })
-      for (const std::string& signal : part.signals) recorded[signal];
+    Check(part, runs);
   } catch (const Error& e) {
     throw Error(where + ": " + e.what());
   }
 }
 
-void CheckNames(const Experiment& experiment, const Recording& recorded) {
-  std::vector<std::string> runs;
-  for (const RunOf& run : experiment.runs) runs.push_back(run.name);
-  std::set<std::string> ids;
+template <class Figure>
+std::string NameOf(const Figure& figure) {
+  if constexpr (requires { figure.name; })
+    return figure.name;
+  else
+    return Figure::kName;
+}
+
+void CheckParts(const Experiment& experiment, const std::vector<Planned>& runs) {
+  std::set<std::string> ids, figures;
   for (const ClaimCheck& check : experiment.claims)
     std::visit(
         [&](const auto& of) {
           const std::string where = "claim '" + of.claim.id + "'";
           Require(ids.insert(of.claim.id).second, where + ": there are two of that id");
-          CheckNames(where, of, runs, recorded);
+          CheckAt(where, of, runs);
         },
         check);
   for (const FigureOf& figure : experiment.figures)
     std::visit(
-        [&](const auto& of) { CheckNames("figure !" + std::string(of.kTag), of, runs, recorded); },
+        [&](const auto& of) {
+          const std::string where = "figure '" + NameOf(of) + "'";
+          Require(figures.insert(NameOf(of)).second, where + ": there are two of that name");
+          CheckAt(where, of, runs);
+        },
         figure);
 }
 
@@ -108,16 +137,17 @@ ExperimentFile ExperimentFile::ReadText(const std::string& text, const std::stri
   std::string at = source;
   try {
     CheckRunNames(runs);
-    std::shared_ptr<NamesOnly> names;
+    std::vector<Planned> planned;
     for (const RunOf& run : runs) {
       at = source + ": run '" + run.name + "'";
-      names = std::make_shared<NamesOnly>();
+      const auto names = std::make_shared<NamesOnly>();
       const Experiment changed = Filled(text, source, set, &run);
       file.scenarios.push_back(changed.scenario);
       ScenarioDiagram(changed.scenario, names).builder.Build();
+      planned.push_back({run.name, changed.scenario, Recording(names->signals, {})});
     }
     at = source;
-    CheckNames(file.experiment, Recording(names->signals, {}));
+    CheckParts(file.experiment, planned);
   } catch (const Error& e) {
     const std::string_view what = e.what();
     throw what.starts_with(source) || what.starts_with("--set") ? e : Error(at + ": " + e.what());

@@ -1,21 +1,17 @@
 #include "pliant/analysis/experiment_figures.h"
 
 #include <algorithm>
+#include <array>
 #include <set>
 
 #include "pliant/analysis/compliance_claims.h"
+#include "pliant/analysis/series.h"
 
 namespace pliant {
 
 namespace {
 
-using Series = Eigen::MatrixXd;
-
 std::vector<double> Vector(const Eigen::VectorXd& x) { return {x.begin(), x.end()}; }
-
-Eigen::VectorXd Norm(const Series& all, Eigen::Index first, Eigen::Index rows) {
-  return all.middleRows(first, rows).colwise().norm().transpose();
-}
 
 std::vector<Band> PushBands(const RunData& run) {
   std::vector<Band> bands;
@@ -41,35 +37,32 @@ Eigen::VectorXd PushForce(const RunData& run) {
 
 Figure VelocityFigure::Draw(const Runs& all) const {
   Figure figure{
-      .name = "velocities",
+      .name = kName,
       .caption =
           "Norms of the tool's linear and angular velocity and of the joint velocity, and "
           "(orange) the pushes. A column for each run.",
       .columns = static_cast<int>(runs.size())};
   struct Row {
     const char* label;
-    const char* signal;
-    Eigen::Index first, rows;
+    Eigen::VectorXd (*norms)(const RunData&);
   };
-  for (const Row& row : {Row{"tool [m/s]", "control.pose_error_rate", 3, 3},
-                         Row{"tool [rad/s]", "control.pose_error_rate", 0, 3},
-                         Row{"joints [rad/s]", "arm.measured_velocity", 0, 0}}) {
-    const auto norm = [&](const RunData& run) {
-      const Series& signal = run[row.signal];
-      return Norm(signal, row.first, row.rows == 0 ? signal.rows() : row.rows);
-    };
+  const std::array<Row, 3> rows{
+      {{"tool [m/s]", [](const RunData& r) { return Norms(Linear(r["control.pose_error_rate"])); }},
+       {"tool [rad/s]", [](const RunData& r) { return Norms(Angular(r["control.pose_error_rate"])); }},
+       {"joints [rad/s]", [](const RunData& r) { return Norms(r["arm.measured_velocity"]); }}}};
+  for (const Row& row : rows) {
     double top = 0;  // one scale per row, so that columns compare
-    for (const std::string& name : runs) top = std::max(top, 1.1 * norm(all[name]).maxCoeff());
+    for (const std::string& name : runs) top = std::max(top, 1.1 * Largest(row.norms(all[name])));
     for (const std::string& name : runs) {
       const RunData& run = all[name];
       const Eigen::VectorXd force = PushForce(run);
       const std::vector<double> t = Vector(run.times());
       figure.panels.push_back(
-          {.title = row.first == 3 ? run.title : "",
+          {.title = &row == &rows.front() ? run.title : "",
            .x = {.label = "time [s]"},
            .left = {.label = row.label, .from = 0, .to = top},
-           .right = {.label = "force [N]", .from = 0, .to = 1.25 * std::max(1.0, force.maxCoeff())},
-           .curves = {{.label = "", .x = t, .y = Vector(norm(run))},
+           .right = {.label = "force [N]", .from = 0, .to = 1.25 * std::max(1.0, Largest(force))},
+           .curves = {{.label = "", .x = t, .y = Vector(row.norms(run))},
                       {.label = "", .x = t, .y = Vector(force), .side = Side::Right}},
            .x_bands = PushBands(run)});
     }
@@ -78,12 +71,12 @@ Figure VelocityFigure::Draw(const Runs& all) const {
 }
 
 Figure PredictionFigure::Draw(const Runs& all) const {
-  Figure figure{.name = "predictions",
+  Figure figure{.name = kName,
                 .caption =
                     "How far the tool is off, measured and predicted: behind the observer "
                     "by its transfer function, as if the push were static by Λ⁻¹F/λ₂."};
   const auto add = [&](const RunData& run, const Series& predicted, const std::string& how) {
-    const auto millimetres = [](const Series& e) { return Vector(1000 * Norm(e, 3, 3)); };
+    const auto millimetres = [](const Series& e) { return Vector(1000 * Norms(Linear(e))); };
     figure.panels.push_back(
         {.title = run.title,
          .x = {.label = "time [s]"},
@@ -103,7 +96,7 @@ Figure PredictionFigure::Draw(const Runs& all) const {
 Figure LimitFigure::Draw(const Runs& all) const {
   const RunData& of = all[run];
   const RobotModel& model = of.arm.model;
-  Figure figure{.name = "limits",
+  Figure figure{.name = kName,
                 .caption = "Joint positions, velocities and torques as parts of their limits, " +
                            of.title + ". Continuous joints have no position limit."};
   Panel position{.x = {.label = "time [s]"}, .left = {.label = "position / limit"}};

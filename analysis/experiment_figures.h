@@ -12,6 +12,7 @@ namespace pliant {
 /// force of the pushes; a column for each run.
 struct VelocityFigure {
   static constexpr const char* kTag = "Velocities";
+  static constexpr const char* kName = "velocities";
   std::vector<std::string> runs;
 
   template <class F>
@@ -22,9 +23,10 @@ struct VelocityFigure {
 };
 
 /// How far the tool is off, measured and predicted: behind the observer by its transfer function,
-/// and, for `full`, as if the push were static.
+/// and as if the pushes were static.
 struct PredictionFigure {
   static constexpr const char* kTag = "Predictions";
+  static constexpr const char* kName = "predictions";
   std::vector<std::string> behind_observer;
   std::vector<std::string> as_if_static;
 
@@ -39,6 +41,7 @@ struct PredictionFigure {
 /// Joint positions, velocities and torques of a run as parts of their limits.
 struct LimitFigure {
   static constexpr const char* kTag = "Limits";
+  static constexpr const char* kName = "limits";
   std::string run;
 
   template <class F>

@@ -17,7 +17,8 @@ inline Json SchemaOfNumber(const char* type, std::string_view unit, const Range&
   Json number{{"type", type}};
   if (range.least > kAnyNumber.least)
     number[range.without_least ? "exclusiveMinimum" : "minimum"] = range.least;
-  if (range.most < kAnyNumber.most) number["maximum"] = range.most;
+  if (range.most < kAnyNumber.most)
+    number[range.without_most ? "exclusiveMaximum" : "maximum"] = range.most;
   // A number with its unit behind it, or a word such as .inf.
   Json word{{"type", "string"}, {"pattern", unit.empty() ? "^[-+]?\\.inf$" : "^[-+.0-9]"}};
   Json schema{{"anyOf", Json::array({number, word})}};

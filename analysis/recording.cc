@@ -174,14 +174,14 @@ Recording ReadLog(const std::filesystem::path& file) {
 
 }  // namespace
 
-Eigen::VectorXd RecordedSignal::operator[](std::string_view element) const {
+Eigen::Index RecordedSignal::row(std::string_view element) const {
   auto at = std::ranges::find(elements, element);
   if (at == elements.end())
     at = std::ranges::find(elements, Plain(element), [](const auto& e) { return Plain(e); });
   if (at == elements.end())
     throw Error(path + " has no element '" + std::string(element) + "'" +
                 DidYouMean(element, elements));
-  return numbers.row(at - elements.begin());
+  return at - elements.begin();
 }
 
 Recording::Recording(std::vector<RecordedSignal> signals, Metadata metadata,

@@ -16,9 +16,11 @@ struct RecordedSignal : RecordedValue {
   Eigen::VectorXd times;    ///< [s]
   Eigen::MatrixXd numbers;  ///< a column for each time, a row for each element
 
-  /// The row of an element, by its name with or without brackets and dot; throws Error with the
+  /// The index of an element, by its name with or without brackets and dot; throws Error with the
   /// nearest name if there is none.
-  Eigen::VectorXd operator[](std::string_view element) const;
+  Eigen::Index row(std::string_view element) const;
+  /// Its numbers.
+  Eigen::VectorXd operator[](std::string_view element) const { return numbers.row(row(element)); }
 };
 
 /// What a run has recorded, in memory:

@@ -2,11 +2,11 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <fstream>
+#include <optional>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "pliant/analysis/page_data.h"
+#include "pliant/analysis/write_file.h"
 #include "pliant/plants/shared_file.h"
 
 namespace pliant::internal {
@@ -14,12 +14,6 @@ namespace pliant::internal {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-std::string ContentOf(const std::string& name) {
-  std::ostringstream content;
-  content << std::ifstream(SharedFile(name)).rdbuf();
-  return content.str();
-}
 
 Json Numbers(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
@@ -103,12 +97,12 @@ std::optional<Json> ArrowOf(const RecordedSignal& contact, const RobotModel& mod
        {contact.path + ".force[x]", contact.path + ".force[y]", contact.path + ".force[z]"}}};
 }
 
-/// The columns of all signals that have the controller's times, the time first.
+/// The columns of all signals that have the times of the joints, the time first.
 Json ColumnsOf(const RunData& run, PageColumns& columns) {
   Json names = Json::array({{{"name", "time"}, {"unit", "s"}}});
   columns.push_back({run.times().begin(), run.times().end()});
   for (const RecordedSignal& signal : run.log.signals()) {
-    if (signal.times.size() != run.times().size()) continue;
+    if (signal.times != run.times()) continue;
     for (std::size_t i = 0; i < signal.elements.size(); ++i) {
       std::string element = signal.elements[i];
       if (element.starts_with('[') && element.ends_with(']'))
@@ -167,8 +161,8 @@ ReplaySection ReplaySectionOf(const std::vector<const RunData*>& runs, std::size
     json.replace(at, 1, "\\u003c");
   section.middle = "<section id=\"replay\"></section>\n";
   section.end += "<script type=\"application/json\" id=\"runs\">" + json + "</script>\n<style>" +
-                 ContentOf("web/dist/replay.css") + "</style>\n<script>" +
-                 ContentOf("web/dist/replay.js") + "</script>\n";
+                 ReadFile(SharedFile("web/dist/replay.css")) + "</style>\n<script>" +
+                 ReadFile(SharedFile("web/dist/replay.js")) + "</script>\n";
   return section;
 }
 

@@ -3,16 +3,15 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <map>
 #include <mutex>
 #include <optional>
-#include <sstream>
 #include <system_error>
 #include <thread>
 
 #include "pliant/analysis/mcap_log.h"
+#include "pliant/analysis/series.h"
 #include "pliant/analysis/with_unit.h"
 #include "pliant/analysis/write_file.h"
 #include "pliant/plants/parameter_text.h"
@@ -34,8 +33,6 @@ std::string Exact(double value) { return internal::YamlText(value); }
 
 McapLog::Options LogOf(const Job& job, const ExperimentFile& file, bool force) {
   const std::filesystem::path urdf = UrdfOf(job.scenario);
-  std::ostringstream description;
-  description << std::ifstream(urdf).rdbuf();
   return {.file = job.log,
           .force = force,
           .metadata = {{"pliant",
@@ -48,7 +45,7 @@ McapLog::Options LogOf(const Job& job, const ExperimentFile& file, bool force) {
                          {"repetition", std::to_string(job.repetition)},
                          {"seed", std::to_string(job.scenario.seed)}}}},
           .robot = RobotModel::FromUrdf(urdf),
-          .robot_description = description.str(),
+          .robot_description = internal::ReadFile(urdf),
           .position = "arm.measured_position",
           .velocity = "arm.measured_velocity",
           .torque = "arm.measured_torque"};
@@ -155,8 +152,12 @@ class Execution {
       }
       whole = k == parts;
       if (whole && ends_with_a_tick) sim.AdvanceThroughTick();
-    } catch (const std::exception&) {
-      end(false);
+    } catch (const std::exception& reason) {
+      try {
+        end(false);
+      } catch (const std::exception& also) {
+        throw Error(std::string(reason.what()) + "\n" + also.what());
+      }
       throw;
     }
     end(whole);
@@ -171,7 +172,7 @@ class Execution {
   std::optional<std::string> failure_;
 };
 
-std::vector<Setting> SettingsOf(const RunData& run) {
+std::vector<Setting> SettingsOfRun(const RunData& run) {
   const Scenario& s = run.scenario;
   const StationOptions& station = std::get<StationOptions>(s.station);
   const ComplianceControl::Options& c = run.control;
@@ -191,12 +192,34 @@ std::vector<Setting> SettingsOf(const RunData& run) {
           {"limits", "torque, and dampers with λ = " + Text(c.damper.rate) +
                          " 1/s, M = " + Text(c.damper.damping_ratio) +
                          ", d_s = " + Text(100 * c.damper.safety_distance) + " % of the range"},
-          {"estimator", "momentum observer, K_I = " + Text(c.observer_gain) + " 1/s"},
+          {"estimator", c.estimate == TorqueEstimate::Observer
+                        ? "momentum observer, K_I = " + Text(c.observer_gain) + " 1/s"
+                    : c.estimate == TorqueEstimate::True ? "none: external torques are known"
+                                                         : "none: external torques are unknown"},
+      {"compliance", "Γ = " + Text(c.pose.compliance) + " I of the pose, " +
+                         Text(c.posture.compliance) + " I of the posture"},
           {"integrator", std::string(Name(s.integrator.method)) + ", tolerances " +
                              Text(s.integrator.relative_tolerance) + " relative, " +
                              Text(s.integrator.absolute_tolerance) + " absolute"},
           {"duration", Text(s.duration_s) + " s"},
           {"version", "pliant " + run.version + "; " + run.built_with}};
+}
+
+/// What all runs of a repetition have in common, and where they differ.
+std::vector<Setting> SettingsOf(const Runs& runs) {
+  std::vector<Setting> settings = SettingsOfRun(*runs.all().front());
+  for (std::size_t i = 0; i < settings.size(); ++i) {
+    std::map<std::string, std::string> titles;  // by value
+    for (const RunData* run : runs.all()) {
+      std::string& with = titles[SettingsOfRun(*run)[i].value];
+      with += (with.empty() ? "" : "; ") + run->title;
+    }
+    if (titles.size() == 1) continue;
+    settings[i].value.clear();
+    for (const auto& [value, of] : titles)
+      settings[i].value += (settings[i].value.empty() ? "" : " / ") + value + " (" + of + ")";
+  }
+  return settings;
 }
 
 /// Least and greatest of a quantity of every joint, over all runs.
@@ -209,8 +232,8 @@ std::vector<Extent> Extents(const std::vector<RunData>& runs, const char* path,
     Extent e{model.joint(j).name, kNone, -kNone, sign * (model.joint(j).*lower),
              model.joint(j).*upper};
     for (const RunData& run : runs) {
-      e.least = std::min(e.least, run[path].row(j).minCoeff());
-      e.greatest = std::max(e.greatest, run[path].row(j).maxCoeff());
+      e.least = std::min(e.least, -Largest(-run[path].row(j)));
+      e.greatest = std::max(e.greatest, Largest(run[path].row(j)));
     }
     extents.push_back(e);
   }
@@ -290,7 +313,7 @@ Report ReportOf(const std::vector<RunData>& runs) {
   const std::vector<Runs> repetitions = Repetitions(runs, experiment);
 
   Report report{.title = experiment.title, .summary = experiment.summary};
-  report.settings = SettingsOf(runs.front());
+  report.settings = SettingsOf(repetitions.front());
   if (repetitions.size() > 1)
     report.settings.push_back({"repetitions", Text(repetitions.size()) + ", each with its seed"});
   for (const ClaimCheck& check : experiment.claims)

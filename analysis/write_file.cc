@@ -5,6 +5,8 @@
 
 #include <cerrno>
 #include <cstring>
+#include <fstream>
+#include <sstream>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -56,6 +58,15 @@ void RequireNewFile(const std::filesystem::path& file, bool force) {
     throw Error("cannot write " + file.string() + ": it is there and not a file");
   if (!force)
     throw Error(file.string() + " exists; give --force to write over it, or another place");
+}
+
+std::string ReadFile(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::ostringstream content;
+  errno = 0;
+  if (in && in.peek() != std::ifstream::traits_type::eof()) content << in.rdbuf();
+  if (!in || !content) throw Error("cannot read " + file.string() + ": " + std::strerror(errno));
+  return content.str();
 }
 
 void WriteFile(const std::filesystem::path& file, std::string_view bytes) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <string_view>
 
 namespace pliant::internal {
@@ -29,6 +30,9 @@ class PartFile {
 
 /// Throws Error if the file is there and is not to be written over, or is none, such as a device.
 void RequireNewFile(const std::filesystem::path& file, bool force);
+
+/// The whole of a file; throws Error, with the file and the reason, if it cannot be read.
+std::string ReadFile(const std::filesystem::path& file);
 
 void WriteFile(const std::filesystem::path& file, std::string_view bytes);
 

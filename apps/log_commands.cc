@@ -63,7 +63,8 @@ int Tell(const Told& told) {
   const std::string fault = FaultOf(log);
   const double from = 1e-9 * static_cast<double>(log.from());
   const double to = 1e-9 * static_cast<double>(log.to());
-  std::printf("written by  %s, profile %s\n", log.library().c_str(), log.profile().c_str());
+  std::printf("written by  %s, profile %s\n", Printable(log.library()).c_str(),
+              Printable(log.profile()).c_str());
   std::printf("size        %.3f MB, %llu messages from %g s to %g s\n",
               1e-6 * static_cast<double>(log.bytes()),
               static_cast<unsigned long long>(log.messages()), from, to);
@@ -71,10 +72,11 @@ int Tell(const Told& told) {
   for (const auto& [name, words] : log.metadata())
     for (const auto& [key, word] : words)
       if (word.find('\n') == std::string::npos)
-        std::printf("%-11s %s: %s\n", name.c_str(), key.c_str(), word.c_str());
+        std::printf("%-11s %s: %s\n", Printable(name).c_str(), Printable(key).c_str(),
+                    Printable(word).c_str());
   for (const McapChannel& channel : log.channels())
     std::printf("%9llu  %-32s %s\n", static_cast<unsigned long long>(channel.messages),
-                channel.topic.c_str(), channel.schema_name.c_str());
+                Printable(channel.topic).c_str(), Printable(channel.schema_name).c_str());
   return fault.empty() ? 0 : 1;
 }
 

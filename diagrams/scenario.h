@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -33,8 +34,8 @@ struct HandHold {
   template <class F>
   void Parameters(F&& f) {
     hand.Parameters(f);
-    f("start_s", start_s, "s", kNotNegative);
-    f("duration_s", duration_s, "s", kPositive);
+    f("start_s", start_s, "s", Between(0, 1e6));
+    f("duration_s", duration_s, "s", Between(1e-9, 1e6));
   }
 };
 

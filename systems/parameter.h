@@ -17,9 +17,11 @@ namespace pliant {
 struct Range {
   double least = -std::numeric_limits<double>::max();
   double most = std::numeric_limits<double>::max();
-  bool without_least = false;  ///< `least` itself is not one of them
+  bool without_least = false, without_most = false;  ///< the ends themselves are none of them
 
-  bool Contains(double x) const { return (without_least ? x > least : x >= least) && x <= most; }
+  bool Contains(double x) const {
+    return (without_least ? x > least : x >= least) && (without_most ? x < most : x <= most);
+  }
   std::string text() const;  ///< such as "> 0" or "from 0 to 1"
 };
 
@@ -63,19 +65,43 @@ concept HasWords = std::is_enum_v<E> && requires(E e) {
   { Words(e) } -> std::same_as<const std::vector<std::string>&>;
 };
 
-/// Throws "<where>: gear_ratio must be > 0, got 0" for the first parameter out of its range.
+/// Throws "<where>: gear_ratio must be > 0, got 0" for the first parameter out of its range, also
+/// inside structs and what a std::optional holds: "<where>: pose.stiffness must be …". What blocks
+/// check themselves, such as vectors, is left to them.
 void RequireInRange(std::string_view where, std::string_view name, double value,
                     std::string_view unit, const Range& range);
 
+namespace internal {
+
 template <HasParameters T>
-void RequireInRange(std::string_view where, const T& parameters) {
+void RequireInRange(std::string_view where, const std::string& path, const T& parameters);
+
+template <class T>
+void RequireInRange(std::string_view where, const std::string& name, const T& value,
+                    std::string_view unit, const Range& range) {
+  if constexpr (std::is_arithmetic_v<T> && !std::same_as<T, bool>) {
+    pliant::RequireInRange(where, name, static_cast<double>(value), unit, range);
+  } else if constexpr (HasParameters<T>) {
+    RequireInRange(where, name + ".", value);
+  } else if constexpr (requires { value.has_value(); }) {
+    if (value) RequireInRange(where, name, *value, unit, range);
+  }
+}
+
+template <HasParameters T>
+void RequireInRange(std::string_view where, const std::string& path, const T& parameters) {
   const_cast<T&>(parameters)
       .Parameters([&](std::string_view name, const auto& value, std::string_view unit = {},
                       const Range& range = kAnyNumber) {
-        using Value = std::decay_t<decltype(value)>;
-        if constexpr (std::is_arithmetic_v<Value> && !std::same_as<Value, bool>)
-          RequireInRange(where, name, static_cast<double>(value), unit, range);
+        RequireInRange(where, path + std::string(name), value, unit, range);
       });
+}
+
+}  // namespace internal
+
+template <HasParameters T>
+void RequireInRange(std::string_view where, const T& parameters) {
+  internal::RequireInRange(where, std::string(), parameters);
 }
 
 /// Throws "<name> has an element for each of the 7 joints, got 3".

@@ -248,6 +248,8 @@ ValueType DescribeType() {
     type.unit = T::quantity.unit;
   } else if constexpr (std::is_same_v<T, PerJoint>) {
     type.name = "number per joint";
+  } else if constexpr (Dense<T>) {
+    type.name = T::ColsAtCompileTime == 1 ? "vector" : "matrix";
   } else {
     type.name = TypeName(typeid(T));
   }

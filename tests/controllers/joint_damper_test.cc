@@ -144,7 +144,7 @@ TEST(JointDamper, RefusesOptionsThatDoNotDamp) {
   EXPECT_EQ(error({.model = m, .rate = 0}), "rate must be > 0 1/s, got 0");
   EXPECT_EQ(error({.model = m, .damping_ratio = 0.9}), "damping_ratio must be >= 1, got 0.9");
   EXPECT_EQ(error({.model = m, .safety_distance = 0.5}),
-            "safety_distance must be from 0 to 0.49, got 0.5");
+            "safety_distance must be from 0 to below 0.5, got 0.5");
   EXPECT_EQ(error({.model = m, .velocity_fraction = 0}),
             "velocity_fraction must be above 0 to 1, got 0");
 }

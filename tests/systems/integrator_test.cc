@@ -397,7 +397,7 @@ std::string MessageOf(const IntegratorOptions& options, int states = 1) {
 
 TEST(Integrator, OptionsAreCheckedWithBoundAndValue) {
   EXPECT_EQ(MessageOf({.relative_tolerance = 1e-16}),
-            "relative_tolerance must be from 1e-14 to 0.999, got 1e-16");
+            "relative_tolerance must be from 1e-14 to below 1, got 1e-16");
   EXPECT_EQ(MessageOf({.absolute_tolerance = 0}), "absolute_tolerance must be > 0, got 0");
   EXPECT_EQ(MessageOf({.max_step_s = -1}), "max_step_s must be > 0 s, got -1");
   EXPECT_EQ(MessageOf({.min_step_s = 0}), "min_step_s must be > 0 s, got 0");
@@ -411,7 +411,7 @@ TEST(Integrator, OptionsAreCheckedWithBoundAndValue) {
             "max_steps_between_events must be from 1 to 1000000000, got 0");
   EXPECT_EQ(MessageOf({}, 0), "an integrator needs at least 1 state, got 0");
   EXPECT_EQ(MessageOf({.relative_tolerance = std::numeric_limits<double>::quiet_NaN()}),
-            "relative_tolerance must be from 1e-14 to 0.999, got nan");
+            "relative_tolerance must be from 1e-14 to below 1, got nan");
 }
 
 TEST(Integrator, MisuseIsRefused) {
