@@ -106,7 +106,8 @@ void AddLogCommands(CLI::App& app, std::vector<Command>& commands) {
   CLI::App* to = add(app, "export", "Writes the numbers of a log to an HDF5 or CSV file",
                      "pliant export out/logs/stiff.mcap stiff.h5", Export);
   to->add_option("file", told->to, "ends in .h5, .hdf5 or .csv")->required();
-  to->add_option("--signal", told->signals, "path of a signal, in a .csv; none: all");
+  to->add_option("--signal", told->signals, "path of a signal, in a .csv; none: all")
+      ->allow_extra_args(false);
   to->add_flag("--force", told->force, "write over a file that is there");
 
   CLI::App* log = app.add_subcommand("log", "Looks at logs and repairs them");

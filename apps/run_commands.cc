@@ -143,7 +143,8 @@ void AddRunOptions(CLI::App& app, Told& told) {
   app.add_option("--out", told.out, "folder of logs and report, made if it is not there")
       ->check(SaysSomething());
   app.add_option("--set", told.set,
-                 "path=value in the place of what the file says, such as station.ideal=true");
+                 "path=value in the place of what the file says, such as station.ideal=true")
+      ->allow_extra_args(false);
   app.add_option("--repeat", told.repeat, "how often, each time with the next seed")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();

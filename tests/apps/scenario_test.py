@@ -199,6 +199,18 @@ class Run(InFolder):
         self.assertIn("gnuplot", self.ends(3, "run", "arm.yaml", "--out", "out", env={"PATH": ""}))
         self.assertEqual(self.files(), before)
 
+    def test_takes_its_options_in_any_order(self):
+        self.ends(0, "run", *SHORT, "--set", "seed=3", "arm.yaml", "--out", "out")
+        self.ends(0, "export", "--signal", "arm.position", "out/logs/run.mcap", "a.csv")
+
+    def test_that_cannot_be_integrated_ends_with_3_and_leaves_what_it_has(self):
+        said = self.ends(3, "run", "arm.yaml", "--out", "out", "--set", "environment.0.force=[0, 1e300, 0]")
+        self.assertRegex(said, r"pliant: out/logs/run.mcap: cannot integrate past t = 0\.20\d+ s: ")
+        told = self.ends(0, "log", "info", "out/logs/run.mcap")
+        self.assertIn("pliant.run  whole: 0\n", told)
+        self.assertRegex(told, r"statistics rows: 20\d\n")
+        self.assertIn("identical: 8 signals", self.ends(0, "replay", "out/logs/run.mcap"))
+
     def test_is_replayed_bit_for_bit(self):
         self.run_short()
         self.assertEqual(self.ends(0, "replay", "out/logs/run.mcap"),
