@@ -60,7 +60,8 @@ Claim BoundClaim::Check(const Runs& runs) const {
   const Eigen::VectorXd norms = Norms(picked.numbers);
   const Eigen::Index begin = (recorded.times.array() < from_s).count();
   const Eigen::Index end = (recorded.times.array() <= to_s).count();
-  Require(begin < end, "claim '" + claim.id + "': no row of " + signal + " lies between from_s and to_s",
+  Require(begin < end,
+          "claim '" + claim.id + "': no row of " + signal + " lies between from_s and to_s",
           Text(from_s) + " and " + Text(to_s));
   const double value = Of(statistic, norms.segment(begin, end - begin));
   std::string criterion;

@@ -41,8 +41,8 @@ double UseOfLimits(const RunData& run, int joint) {
   Eigen::Array3d use{largest("arm.measured_velocity", 0) / j.velocity,
                      largest("control.torque", 0) / j.effort, 0};
   if (j.type != Joint::Type::Continuous)
-    use(2) = largest("arm.measured_position", 0.5 * (j.lower + j.upper)) /
-             (0.5 * (j.upper - j.lower));
+    use(2) =
+        largest("arm.measured_position", 0.5 * (j.lower + j.upper)) / (0.5 * (j.upper - j.lower));
   return Largest(use);
 }
 

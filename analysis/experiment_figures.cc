@@ -48,7 +48,8 @@ Figure VelocityFigure::Draw(const Runs& all) const {
   };
   const std::array<Row, 3> rows{
       {{"tool [m/s]", [](const RunData& r) { return Norms(Linear(r["control.pose_error_rate"])); }},
-       {"tool [rad/s]", [](const RunData& r) { return Norms(Angular(r["control.pose_error_rate"])); }},
+       {"tool [rad/s]",
+        [](const RunData& r) { return Norms(Angular(r["control.pose_error_rate"])); }},
        {"joints [rad/s]", [](const RunData& r) { return Norms(r["arm.measured_velocity"]); }}}};
   for (const Row& row : rows) {
     double top = 0;  // one scale per row, so that columns compare

@@ -68,8 +68,8 @@ struct Figure {
 };
 
 /// Draws a figure as directory/NAME.svg and NAME.pdf and leaves what it was drawn from beside them:
-/// NAME.dat, and NAME.gp to restyle it with gnuplot. Long curves are thinned out to some 2000 points among which
-/// are the least and greatest of every stretch. Returns the SVG.
+/// NAME.dat, and NAME.gp to restyle it with gnuplot. Long curves are thinned out to some 2000
+/// points among which are the least and greatest of every stretch. Returns the SVG.
 std::string DrawFigure(const Figure& figure, const std::filesystem::path& directory);
 
 /// Throws Error unless DrawFigure will find gnuplot: to be asked before a long run.

@@ -179,30 +179,31 @@ std::vector<Setting> SettingsOfRun(const RunData& run) {
   const auto gains = [](const TaskGains& g) {
     return Text(g.stiffness) + " 1/s², " + Text(g.damping) + " 1/s, weight " + Text(g.weight);
   };
-  return {{"robot",
-           run.arm.model.name() +
-               (station.ideal ? ", ideal torque actuators and sensors"
-                              : ", elastic gears with friction, sensors with noise and offsets "
-                                "(seed " +
-                                    Text(s.seed) + "), torque loop of the RSS paper")},
-          {"rotor inertia", Text(c.rotor_inertia.transpose()) + " kg·m², reflected"},
-          {"plant", Words(station.engine)[static_cast<std::size_t>(station.engine)]},
-          {"controller", "one QP at " + c.period.text() + ": pose of " + c.tool + " " +
-                             gains(c.pose) + "; posture " + gains(c.posture)},
-          {"limits", "torque, and dampers with λ = " + Text(c.damper.rate) +
-                         " 1/s, M = " + Text(c.damper.damping_ratio) +
-                         ", d_s = " + Text(100 * c.damper.safety_distance) + " % of the range"},
-          {"estimator", c.estimate == TorqueEstimate::Observer
+  return {
+      {"robot",
+       run.arm.model.name() +
+           (station.ideal ? ", ideal torque actuators and sensors"
+                          : ", elastic gears with friction, sensors with noise and offsets "
+                            "(seed " +
+                                Text(s.seed) + "), torque loop of the RSS paper")},
+      {"rotor inertia", Text(c.rotor_inertia.transpose()) + " kg·m², reflected"},
+      {"plant", Words(station.engine)[static_cast<std::size_t>(station.engine)]},
+      {"controller", "one QP at " + c.period.text() + ": pose of " + c.tool + " " + gains(c.pose) +
+                         "; posture " + gains(c.posture)},
+      {"limits", "torque, and dampers with λ = " + Text(c.damper.rate) +
+                     " 1/s, M = " + Text(c.damper.damping_ratio) +
+                     ", d_s = " + Text(100 * c.damper.safety_distance) + " % of the range"},
+      {"estimator", c.estimate == TorqueEstimate::Observer
                         ? "momentum observer, K_I = " + Text(c.observer_gain) + " 1/s"
                     : c.estimate == TorqueEstimate::True ? "none: external torques are known"
                                                          : "none: external torques are unknown"},
       {"compliance", "Γ = " + Text(c.pose.compliance) + " I of the pose, " +
                          Text(c.posture.compliance) + " I of the posture"},
-          {"integrator", std::string(Name(s.integrator.method)) + ", tolerances " +
-                             Text(s.integrator.relative_tolerance) + " relative, " +
-                             Text(s.integrator.absolute_tolerance) + " absolute"},
-          {"duration", Text(s.duration_s) + " s"},
-          {"version", "pliant " + run.version + "; " + run.built_with}};
+      {"integrator", std::string(Name(s.integrator.method)) + ", tolerances " +
+                         Text(s.integrator.relative_tolerance) + " relative, " +
+                         Text(s.integrator.absolute_tolerance) + " absolute"},
+      {"duration", Text(s.duration_s) + " s"},
+      {"version", "pliant " + run.version + "; " + run.built_with}};
 }
 
 /// What all runs of a repetition have in common, and where they differ.

@@ -6,6 +6,7 @@
 
 #include "pliant/analysis/export.h"
 #include "pliant/analysis/mcap_reader.h"
+#include "pliant/analysis/mcap_records.h"
 #include "pliant/analysis/mcap_repair.h"
 #include "pliant/analysis/replay.h"
 #include "pliant/analysis/run_data.h"
@@ -16,6 +17,7 @@ namespace pliant {
 namespace {
 
 namespace fs = std::filesystem;
+using internal::Printable;
 
 /// What the commands about one log are told.
 struct Told {

@@ -34,7 +34,8 @@ class JointDamper final : public Block {
     void Parameters(F&& f) {
       f("rate", rate, "1/s", kPositive);
       f("damping_ratio", damping_ratio, "", Range{.least = 1});
-      f("safety_distance", safety_distance, "", Range{.least = 0, .most = 0.5, .without_most = true});
+      f("safety_distance", safety_distance, "",
+        Range{.least = 0, .most = 0.5, .without_most = true});
       f("velocity_fraction", velocity_fraction, "",
         Range{.least = 0, .most = 1, .without_least = true});
     }

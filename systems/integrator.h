@@ -51,7 +51,8 @@ struct IntegratorOptions {
   template <class F>
   void Parameters(F&& f) {
     f("method", method);
-    f("relative_tolerance", relative_tolerance, "", Range{.least = 1e-14, .most = 1, .without_most = true});
+    f("relative_tolerance", relative_tolerance, "",
+      Range{.least = 1e-14, .most = 1, .without_most = true});
     f("absolute_tolerance", absolute_tolerance, "", kPositive);
     f("max_step_s", max_step_s, "s", kPositive);
     f("min_step_s", min_step_s, "s", kPositive);

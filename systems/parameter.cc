@@ -5,8 +5,8 @@ namespace pliant {
 std::string Range::text() const {
   const bool from = least > kAnyNumber.least, to = most < kAnyNumber.most;
   if (from && to)
-    return (without_least ? "above " : "from ") + Text(least) + (without_most ? " to below " : " to ") +
-           Text(most);
+    return (without_least ? "above " : "from ") + Text(least) +
+           (without_most ? " to below " : " to ") + Text(most);
   if (from) return (without_least ? "> " : ">= ") + Text(least);
   if (to) return "<= " + Text(most);
   return "finite";

@@ -20,8 +20,8 @@ namespace pliant {
 ///
 /// A row at a tick holds the values of that instant: held outputs new, states before their updates.
 /// Its time is that of the tick, rounded to a nanosecond. The sink opens when the diagram is built.
-/// A run that is restored to an earlier time hands on its rows again. Contexts of a diagram share the
-/// sink, so they belong to one thread.
+/// A run that is restored to an earlier time hands on its rows again. Contexts of a diagram share
+/// the sink, so they belong to one thread.
 class Recorder final : public Block {
  public:
   struct Options {

@@ -69,7 +69,8 @@ TEST_F(DrawFigureTest, TakesAHyphenInItsName) {
   Figure figure = OneCurve({0, 1}, {0, 1});
   figure.name = "one-curve";
   EXPECT_THAT(Draw(figure), HasSubstr("</svg>"));
-  EXPECT_THAT(Files(), ElementsAre("one-curve.dat", "one-curve.gp", "one-curve.pdf", "one-curve.svg"));
+  EXPECT_THAT(Files(),
+              ElementsAre("one-curve.dat", "one-curve.gp", "one-curve.pdf", "one-curve.svg"));
 }
 
 TEST_F(DrawFigureTest, TheScriptGivesTheSameDrawing) {
