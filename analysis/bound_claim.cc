@@ -20,7 +20,7 @@ Eigen::MatrixXd Picked(const RecordedSignal& signal, const std::vector<std::stri
 double Of(Statistic statistic, const Eigen::VectorXd& x) {
   switch (statistic) {
     case Statistic::Peak:
-      return x.maxCoeff();
+      return x.maxCoeff<Eigen::PropagateNaN>();
     case Statistic::Rms:
       return std::sqrt(x.squaredNorm() / static_cast<double>(x.size()));
     case Statistic::Mean:
@@ -32,6 +32,14 @@ double Of(Statistic statistic, const Eigen::VectorXd& x) {
 }
 
 }  // namespace
+
+void BoundClaim::RequireFit(const Scenario& scenario) const {
+  Require(std::isfinite(least) || std::isfinite(most), "least or most must be given");
+  Require(least <= most, "least must be <= most", Text(least) + " and " + Text(most));
+  Require(from_s <= to_s, "from_s must be <= to_s", Text(from_s) + " and " + Text(to_s));
+  Require(from_s <= scenario.duration_s,
+          "from_s must be <= duration_s, " + Text(scenario.duration_s), from_s);
+}
 
 Claim BoundClaim::Check(const Runs& runs) const {
   const std::string where = "claim '" + claim.id + "': ";
@@ -47,7 +55,6 @@ Claim BoundClaim::Check(const Runs& runs) const {
   if (std::isfinite(least)) criterion = "at least " + WithUnit(least, unit);
   if (std::isfinite(most))
     criterion += (criterion.empty() ? "at most " : ", at most ") + WithUnit(most, unit);
-  Require(!criterion.empty(), where + "least or most must be given");
   std::string what;
   for (const std::string& element : elements) what += (what.empty() ? "[" : ", ") + element;
   const std::string& word = Words(statistic)[static_cast<std::size_t>(statistic)];

@@ -45,6 +45,8 @@ struct BoundClaim {
     f("least", least, "", Range{.least = -kUnbounded, .most = kUnbounded});
     f("most", most, "", Range{.least = -kUnbounded, .most = kUnbounded});
   }
+  /// Throws Error without a bound, and if no time of a run lies between from_s and to_s.
+  void RequireFit(const Scenario& scenario) const;
   Claim Check(const Runs& runs) const;
 };
 

@@ -16,12 +16,12 @@ constexpr double kDegrees = 180 / std::numbers::pi;
 
 /// Largest norm of rows [first, first + rows) over time.
 double Peak(const Series& all, int first, int rows) {
-  return all.middleRows(first, rows).colwise().norm().maxCoeff();
+  return all.middleRows(first, rows).colwise().norm().maxCoeff<Eigen::PropagateNaN>();
 }
 
 double LargestTurn(const RunData& run) {
   const Series& q = run["arm.measured_position"];
-  return (q.colwise() - q.col(0)).cwiseAbs().maxCoeff();
+  return (q.colwise() - q.col(0)).cwiseAbs().maxCoeff<Eigen::PropagateNaN>();
 }
 
 /// A claim as it is stated in all three places: file, report, verdict.
@@ -39,17 +39,24 @@ Claim Stated(const ClaimSource& source, std::string measured, std::string criter
 /// 1: the run used all of a limit; positions count from the middle of their range.
 struct Use {
   double position = 0, velocity = 0, torque = 0;
-  double most() const { return std::max({position, velocity, torque}); }
+  double most() const {
+    return Eigen::Array3d(position, velocity, torque).maxCoeff<Eigen::PropagateNaN>();
+  }
 };
 
 Use UseOfLimits(const RunData& run, int joint) {
   const Joint& j = run.arm.model.joint(joint);
-  Use use{.velocity = run["arm.measured_velocity"].row(joint).cwiseAbs().maxCoeff() / j.velocity,
-          .torque = run["control.torque"].row(joint).cwiseAbs().maxCoeff() / j.effort};
+  Use use{.velocity =
+              run["arm.measured_velocity"].row(joint).cwiseAbs().maxCoeff<Eigen::PropagateNaN>() /
+              j.velocity,
+          .torque = run["control.torque"].row(joint).cwiseAbs().maxCoeff<Eigen::PropagateNaN>() /
+                    j.effort};
   if (j.type != Joint::Type::Continuous) {
     const double middle = 0.5 * (j.lower + j.upper), half = 0.5 * (j.upper - j.lower);
-    use.position =
-        (run["arm.measured_position"].row(joint).array() - middle).abs().maxCoeff() / half;
+    use.position = (run["arm.measured_position"].row(joint).array() - middle)
+                       .abs()
+                       .maxCoeff<Eigen::PropagateNaN>() /
+                   half;
   }
   return use;
 }
@@ -96,16 +103,12 @@ struct ToolBound {
   double factor, shift, predicted_shift, turn, predicted_turn;
 };
 
-/// The sample at which the last push has lasted longest at its full force.
-Eigen::Index EndOfPlateau(const RunData& run) {
-  const std::vector<Push::Options> pushes = PushesOf(run.scenario);
-  Require(!pushes.empty(), "run '" + run.name + "' has no push in its environment");
+/// When the last push has lasted longest at its full force.
+double EndOfPlateau(const Scenario& scenario) {
+  const std::vector<Push::Options> pushes = PushesOf(scenario);
+  Require(!pushes.empty(), "there is no !Push in the environment of its run");
   const auto last = std::ranges::max_element(pushes, {}, &Push::Options::start_s);
-  const double end = last->start_s + last->duration_s - last->edge_s;
-  const Eigen::VectorXd& t = run.times();
-  Require(end <= t(t.size() - 1), "run '" + run.name + "' ends before its last push has lasted",
-          WithUnit(t(t.size() - 1), "s"));
-  return std::ranges::lower_bound(t, end) - t.begin();
+  return last->start_s + last->duration_s - last->edge_s;
 }
 
 }  // namespace
@@ -114,7 +117,8 @@ Series PredictedError(const RunData& run) {
   const ComplianceControl::Options& o = run.control;
   const Series a = TaskAcceleration(run.arm.model, o.tool, run["arm.measured_position"],
                                     run["true_torque.torque"], o.rotor_inertia);
-  return DeviationBehindObserver(a, o.observer_gain, o.pose.damping, o.pose.stiffness, o.period);
+  return DeviationBehindObserver(a, o.observer_gain, o.pose.damping, o.pose.stiffness,
+                                 run.scenario.log_period.value_or(o.period));
 }
 
 Series StaticError(const RunData& run) {
@@ -156,9 +160,17 @@ Claim HoldsTool::Check(const Runs& runs) const {
       tool.holds() && turn >= joints_more_than_deg);
 }
 
+void YieldsAsInertia::RequireFit(const Scenario& scenario) const {
+  const double end = EndOfPlateau(scenario);
+  Require(scenario.duration_s >= end,
+          "duration_s must be >= " + Text(end) + ", when its last push has lasted",
+          scenario.duration_s);
+}
+
 Claim YieldsAsInertia::Check(const Runs& runs) const {
   const RunData& of = runs[run];
-  const Eigen::Index k = EndOfPlateau(of);
+  const Eigen::Index k =
+      std::ranges::lower_bound(of.times(), EndOfPlateau(of.scenario)) - of.times().begin();
   const Eigen::Vector3d e = of["control.pose_error"].col(k).tail(3);
   const Eigen::Vector3d expected = StaticError(of).col(k).tail(3);
   const double off = (e - expected).norm() / expected.norm();
@@ -185,7 +197,8 @@ Claim KeepsLimits::Check(const Runs& runs) const {
     fallback += (outcome.array() == 2).count();
     for (int j = 0; j < run->arm.model.size(); ++j) {
       const double use = UseOfLimits(*run, j).most();
-      if (use > most) most = use, where = run->arm.model.joint(j).name + ", " + run->title;
+      if (!(use <= most) && !std::isnan(most))
+        most = use, where = run->arm.model.joint(j).name + ", " + run->title;
     }
   }
   return Stated(claim,

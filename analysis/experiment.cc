@@ -1,7 +1,9 @@
 #include "pliant/analysis/experiment.h"
 
 #include <algorithm>
+#include <cctype>
 #include <set>
+#include <type_traits>
 
 #include "pliant/analysis/parameter_schema.h"
 #include "pliant/plants/parameter_text.h"
@@ -48,50 +50,103 @@ void CheckRunNames(const std::vector<RunOf>& runs) {
   }
 }
 
-void CheckRunExists(const std::string& where, const std::string& run,
-                    const std::vector<std::string>& names) {
-  if (std::ranges::find(names, run) == names.end())
-    throw Error(where + ": there is no run '" + run + "'" + DidYouMean(run, names));
-}
+/// What is known of a run before it is run.
+struct KnownRun {
+  std::string name;
+  Scenario scenario;
+  Recording recorded;  // what it will record, without rows
+};
 
-/// What a claim or a figure names must be there.
-template <class Part>
-void CheckNames(const std::string& where, const Part& part, const std::vector<std::string>& runs,
-                const Recording& recorded) {
-  if constexpr (requires { part.run; }) CheckRunExists(where, part.run, runs);
-  if constexpr (requires { part.runs; })
-    for (const std::string& run : part.runs) CheckRunExists(where, run, runs);
-  if constexpr (requires { part.behind_observer; }) {
-    for (const std::string& run : part.behind_observer) CheckRunExists(where, run, runs);
-    for (const std::string& run : part.as_if_static) CheckRunExists(where, run, runs);
+class NamesCheck {
+ public:
+  explicit NamesCheck(const std::vector<KnownRun>& runs) : runs_{runs} {
+    for (const KnownRun& run : runs) names_.push_back(run.name);
   }
-  try {
-    if constexpr (requires { part.signal; })
-      for (const std::string& element : part.elements) recorded[part.signal][element];
-    if constexpr (requires { part.signal; }) recorded[part.signal];
-    if constexpr (requires { part.signals; })
-      for (const std::string& signal : part.signals) recorded[signal];
-  } catch (const Error& e) {
-    throw Error(where + ": " + e.what());
-  }
-}
 
-void CheckNames(const Experiment& experiment, const Recording& recorded) {
-  std::vector<std::string> runs;
-  for (const RunOf& run : experiment.runs) runs.push_back(run.name);
-  std::set<std::string> ids;
-  for (const ClaimCheck& check : experiment.claims)
-    std::visit(
-        [&](const auto& of) {
-          const std::string where = "claim '" + of.claim.id + "'";
-          Require(ids.insert(of.claim.id).second, where + ": there are two of that id");
-          CheckNames(where, of, runs, recorded);
-        },
-        check);
-  for (const FigureOf& figure : experiment.figures)
-    std::visit(
-        [&](const auto& of) { CheckNames("figure !" + std::string(of.kTag), of, runs, recorded); },
-        figure);
+  void operator()(const Experiment& experiment) const {
+    std::set<std::string> ids, figures;
+    for (const ClaimCheck& check : experiment.claims)
+      std::visit(
+          [&](const auto& of) {
+            const std::string where = "claim '" + of.claim.id + "'";
+            Require(ids.insert(of.claim.id).second, where + ": there are two of that id");
+            At(where, [&] { CheckPart(of); });
+          },
+          check);
+    for (const FigureOf& figure : experiment.figures)
+      std::visit(
+          [&](const auto& of) {
+            const std::string where = "figure !" + std::string(of.kTag);
+            At(where, [&] { CheckPart(of); });
+            Require(figures.insert(of.file()).second,
+                    where + ": there are two figures named '" + of.file() + "'");
+          },
+          figure);
+  }
+
+ private:
+  /// Puts the place in front of what is wrong.
+  template <class Check>
+  static void At(const std::string& where, const Check& check) {
+    try {
+      check();
+    } catch (const Error& e) {
+      throw Error(where + ": " + e.what());
+    }
+  }
+
+  const KnownRun& Run(const std::string& name) const {
+    const auto found = std::ranges::find(runs_, name, &KnownRun::name);
+    if (found == runs_.end())
+      throw Error("there is no run '" + name + "'" + DidYouMean(name, names_));
+    return *found;
+  }
+
+  /// What a claim or a figure names must be there, in the runs it is about.
+  template <class Part>
+  void CheckPart(const Part& part) const {
+    std::vector<std::string> runs;
+    const auto about = [&](const std::vector<std::string>& more) {
+      runs.insert(runs.end(), more.begin(), more.end());
+    };
+    if constexpr (requires { part.run; }) about({part.run});
+    if constexpr (requires { part.runs; }) about(part.runs);
+    if constexpr (requires { part.behind_observer; }) {
+      about(part.behind_observer);
+      about(part.as_if_static);
+    }
+    if constexpr (!std::is_same_v<Part, KeepsLimits>) Require(!runs.empty(), "it is about no run");
+    for (const std::string& name : runs) {
+      const KnownRun& run = Run(name);
+      if constexpr (requires { part.signal; }) {
+        const RecordedSignal& signal = run.recorded[part.signal];
+        for (const std::string& element : part.elements) signal[element];
+      }
+      if constexpr (requires { part.signals; }) {
+        Require(!part.signals.empty(), "it shows no signal");
+        for (const std::string& signal : part.signals) run.recorded[signal];
+      }
+      if constexpr (requires { part.RequireFit(run.scenario); }) part.RequireFit(run.scenario);
+    }
+  }
+
+  const std::vector<KnownRun>& runs_;
+  std::vector<std::string> names_;
+};
+
+/// The keys of a scenario, which a run may change.
+void CheckChanges(const RunOf& run) {
+  std::vector<std::string> known;
+  Scenario{}.Parameters([&](std::string_view name, auto&, std::string_view = {},
+                            const Range& = kAnyNumber) { known.emplace_back(name); });
+  std::vector<std::string> others;
+  Experiment{}.Parameters(
+      [&](std::string_view name, auto&, std::string_view = {}, const Range& = kAnyNumber) {
+        if (std::ranges::find(known, name) == known.end()) others.emplace_back(name);
+      });
+  for (const auto& [path, yaml] : run.set)
+    Require(std::ranges::find(others, path.substr(0, path.find('.'))) == others.end(),
+            "a run changes its scenario only, not '" + path + "'");
 }
 
 }  // namespace
@@ -104,16 +159,18 @@ ExperimentFile ExperimentFile::ReadText(const std::string& text, const std::stri
   std::string at = source;
   try {
     CheckRunNames(runs);
-    std::shared_ptr<NamesOnly> names;
+    std::vector<KnownRun> known;
     for (const RunOf& run : runs) {
       at = source + ": run '" + run.name + "'";
-      names = std::make_shared<NamesOnly>();
+      CheckChanges(run);
+      const auto names = std::make_shared<NamesOnly>();
       const Experiment changed = Filled(text, source, set, &run);
       file.scenarios.push_back(changed.scenario);
       ScenarioDiagram(changed.scenario, names).builder.Build();
+      known.push_back({run.name, changed.scenario, Recording(names->signals, {})});
     }
     at = source;
-    CheckNames(file.experiment, Recording(names->signals, {}));
+    NamesCheck{known}(file.experiment);
   } catch (const Error& e) {
     const std::string_view what = e.what();
     throw what.starts_with(source) || what.starts_with("--set") ? e : Error(at + ": " + e.what());

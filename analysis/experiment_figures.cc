@@ -1,6 +1,7 @@
 #include "pliant/analysis/experiment_figures.h"
 
 #include <algorithm>
+#include <cctype>
 #include <set>
 
 #include "pliant/analysis/compliance_claims.h"
@@ -41,7 +42,7 @@ Eigen::VectorXd PushForce(const RunData& run) {
 
 Figure VelocityFigure::Draw(const Runs& all) const {
   Figure figure{
-      .name = "velocities",
+      .name = file(),
       .caption =
           "Norms of the tool's linear and angular velocity and of the joint velocity, and "
           "(orange) the pushes. A column for each run.",
@@ -78,7 +79,7 @@ Figure VelocityFigure::Draw(const Runs& all) const {
 }
 
 Figure PredictionFigure::Draw(const Runs& all) const {
-  Figure figure{.name = "predictions",
+  Figure figure{.name = file(),
                 .caption =
                     "How far the tool is off, measured and predicted: behind the observer "
                     "by its transfer function, as if the push were static by Λ⁻¹F/λ₂."};
@@ -103,7 +104,7 @@ Figure PredictionFigure::Draw(const Runs& all) const {
 Figure LimitFigure::Draw(const Runs& all) const {
   const RunData& of = all[run];
   const RobotModel& model = of.arm.model;
-  Figure figure{.name = "limits",
+  Figure figure{.name = file(),
                 .caption = "Joint positions, velocities and torques as parts of their limits, " +
                            of.title + ". Continuous joints have no position limit."};
   Panel position{.x = {.label = "time [s]"}, .left = {.label = "position / limit"}};
@@ -127,6 +128,13 @@ Figure LimitFigure::Draw(const Runs& all) const {
     figure.panels.push_back(std::move(*panel));
   }
   return figure;
+}
+
+void SignalFigure::RequireFit(const Scenario&) const {
+  const bool fit = std::ranges::all_of(
+      name, [](unsigned char c) { return c < 0x80 && (std::isalnum(c) || c == '_' || c == '-'); });
+  Require(fit, "its name, which names its file, has letters, digits, '_' and '-'",
+          "'" + name + "'");
 }
 
 Figure SignalFigure::Draw(const Runs& all) const {

@@ -18,6 +18,7 @@ struct VelocityFigure {
   void Parameters(F&& f) {
     f("runs", runs);
   }
+  std::string file() const { return "velocities"; }
   Figure Draw(const Runs& runs) const;
 };
 
@@ -33,6 +34,7 @@ struct PredictionFigure {
     f("behind_observer", behind_observer);
     f("as_if_static", as_if_static);
   }
+  std::string file() const { return "predictions"; }
   Figure Draw(const Runs& runs) const;
 };
 
@@ -45,6 +47,7 @@ struct LimitFigure {
   void Parameters(F&& f) {
     f("run", run);
   }
+  std::string file() const { return "limits"; }
   Figure Draw(const Runs& runs) const;
 };
 
@@ -61,6 +64,8 @@ struct SignalFigure {
     f("runs", runs);
     f("signals", signals);
   }
+  std::string file() const { return name; }
+  void RequireFit(const Scenario& scenario) const;  ///< its name can be that of a file
   Figure Draw(const Runs& runs) const;
 };
 

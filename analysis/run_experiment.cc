@@ -139,7 +139,7 @@ class Execution {
         options_.progress(phase, sim.time(), duration, wall());
       }
       // The tick at the end is the last row.
-      if (!Stopped()) sim.AdvanceThroughTick();
+      if (sim.time() >= duration) sim.AdvanceThroughTick();
     } catch (const std::exception&) {
       end(false);
       throw;
@@ -209,9 +209,14 @@ std::vector<Runs> Repetitions(const std::vector<RunData>& runs, const Experiment
     if (run.experiment != runs.front().experiment)
       throw Error(run.file.string() + ": the log is of another experiment than " +
                   runs.front().file.string());
-    if (!run.whole)
-      throw Error(run.file.string() + ": the run ended at " + Text(run.times().tail<1>()(0)) +
-                  " s of " + Text(run.scenario.duration_s) + " s; a report needs whole runs");
+    if (!run.whole) {
+      const Eigen::VectorXd& t = run.times();
+      throw Error(run.file.string() + ": the run ended " +
+                  (t.size() == 0 ? "before it began"
+                                 : "at " + Text(t(t.size() - 1)) + " s of " +
+                                       Text(run.scenario.duration_s) + " s") +
+                  "; a report needs whole runs");
+    }
     by_number[run.repetition].push_back(&run);
   }
   std::vector<Runs> all;
