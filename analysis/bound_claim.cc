@@ -46,10 +46,12 @@ double Of(Statistic statistic, const Eigen::VectorXd& x) {
 
 }  // namespace
 
-void BoundClaim::RequireFits(const Scenario& scenario) const {
+void BoundClaim::RequireFit(const Scenario& scenario) const {
   Require(std::isfinite(least) || std::isfinite(most), "least or most must be given");
-  Require(from_s <= std::min(to_s, scenario.duration_s),
-          "from_s must be <= to_s and the duration of its run", from_s);
+  Require(least <= most, "least must be <= most", Text(least) + " and " + Text(most));
+  Require(from_s <= to_s, "from_s must be <= to_s", Text(from_s) + " and " + Text(to_s));
+  Require(from_s <= scenario.duration_s,
+          "from_s must be <= duration_s, " + Text(scenario.duration_s), from_s);
 }
 
 void BoundClaim::RequireSound(const RecordedSignal& recorded) const { Picked(recorded, elements); }

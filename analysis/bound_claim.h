@@ -45,8 +45,8 @@ struct BoundClaim {
     f("least", least, "", Range{.least = -kUnbounded, .most = kUnbounded});
     f("most", most, "", Range{.least = -kUnbounded, .most = kUnbounded});
   }
-  /// Throws Error if there is no bound, or no time of a run of this scenario lies between.
-  void RequireFits(const Scenario& scenario) const;
+  /// Throws Error without a bound, and if no time of a run lies between from_s and to_s.
+  void RequireFit(const Scenario& scenario) const;
   /// Throws Error if elements are not there, or of different units.
   void RequireSound(const RecordedSignal& signal) const;
   Claim Check(const Runs& runs) const;

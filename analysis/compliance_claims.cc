@@ -88,16 +88,12 @@ struct ToolBound {
   double factor, shift, predicted_shift, turn, predicted_turn;
 };
 
-/// When the last push has lasted longest at its full force [s].
+/// When the last push has lasted longest at its full force.
 double EndOfPlateau(const Scenario& scenario) {
   const std::vector<Push::Options> pushes = PushesOf(scenario);
-  Require(!pushes.empty(), "its run has no push in its environment");
+  Require(!pushes.empty(), "there is no !Push in the environment of its run");
   const auto last = std::ranges::max_element(pushes, {}, &Push::Options::start_s);
-  const double end = last->start_s + last->duration_s - last->edge_s;
-  Require(end < scenario.duration_s,
-          "its run must be longer than " + WithUnit(end, "s") + ", when its last push fades",
-          WithUnit(scenario.duration_s, "s"));
-  return end;
+  return last->start_s + last->duration_s - last->edge_s;
 }
 
 }  // namespace
@@ -149,12 +145,17 @@ Claim HoldsTool::Check(const Runs& runs) const {
       tool.holds() && turn >= joints_more_than_deg);
 }
 
-void YieldsAsInertia::RequireFits(const Scenario& scenario) const { EndOfPlateau(scenario); }
+void YieldsAsInertia::RequireFit(const Scenario& scenario) const {
+  const double end = EndOfPlateau(scenario);
+  Require(scenario.duration_s >= end,
+          "duration_s must be >= " + Text(end) + ", when its last push has lasted",
+          scenario.duration_s);
+}
 
 Claim YieldsAsInertia::Check(const Runs& runs) const {
   const RunData& of = runs[run];
-  const Eigen::VectorXd& t = of.times();
-  const Eigen::Index k = std::ranges::lower_bound(t, EndOfPlateau(of.scenario)) - t.begin();
+  const Eigen::Index k =
+      std::ranges::lower_bound(of.times(), EndOfPlateau(of.scenario)) - of.times().begin();
   const Eigen::Vector3d e = of["control.pose_error"].col(k).tail(3);
   const Eigen::Vector3d expected = StaticError(of).col(k).tail(3);
   const double off = (e - expected).norm() / expected.norm();

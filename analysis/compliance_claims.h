@@ -68,8 +68,8 @@ struct YieldsAsInertia {
     f("run", run);
     f("within", within, "", kPositive);
   }
-  /// Throws Error if a run of this scenario has no plateau of a push.
-  void RequireFits(const Scenario& scenario) const;
+  /// Throws Error if a run has no push whose plateau ends in it.
+  void RequireFit(const Scenario& scenario) const;
   Claim Check(const Runs& runs) const;
 };
 

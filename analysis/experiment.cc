@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <set>
+#include <type_traits>
 
 #include "pliant/analysis/parameter_schema.h"
 #include "pliant/plants/parameter_text.h"
@@ -12,8 +13,6 @@
 namespace pliant {
 
 namespace {
-
-constexpr std::size_t kLongestName = 100;  // with "-99999.mcap.part" a file still bears it
 
 /// Takes the names of what would be recorded, and nothing else.
 class NamesOnly final : public RecordSink {
@@ -43,6 +42,8 @@ Experiment Filled(const std::string& text, const std::string& source, const Over
   return experiment;
 }
 
+constexpr std::size_t kLongestName = 100;  // and of its log, with a number and a suffix
+
 void CheckRunNames(const std::vector<RunOf>& runs) {
   std::set<std::string> names;
   for (const RunOf& run : runs) {
@@ -56,75 +57,100 @@ void CheckRunNames(const std::vector<RunOf>& runs) {
   }
 }
 
-/// A run and what its log will hold, before there is one.
-struct Planned {
+/// What is known of a run before it is run.
+struct KnownRun {
   std::string name;
   Scenario scenario;
-  Recording recorded;
+  Recording recorded;  // what it will record, without rows
 };
 
-const Planned& Find(const std::string& name, const std::vector<Planned>& runs) {
-  const auto found = std::ranges::find(runs, name, &Planned::name);
-  if (found != runs.end()) return *found;
-  std::vector<std::string> names;
-  for (const Planned& run : runs) names.push_back(run.name);
-  throw Error("there is no run '" + name + "'" + DidYouMean(name, names));
-}
-
-/// What a claim or a figure names must be there, and give sense.
-template <class Part>
-void Check(const Part& part, const std::vector<Planned>& runs) {
-  if constexpr (requires { part.run; }) {
-    const Planned& run = Find(part.run, runs);
-    if constexpr (requires { part.RequireFits(run.scenario); }) part.RequireFits(run.scenario);
-    if constexpr (requires { part.signal; }) part.RequireSound(run.recorded[part.signal]);
+class NamesCheck {
+ public:
+  explicit NamesCheck(const std::vector<KnownRun>& runs) : runs_{runs} {
+    for (const KnownRun& run : runs) names_.push_back(run.name);
   }
-  if constexpr (requires { part.runs; })
-    for (const std::string& name : part.runs) {
-      const Planned& run = Find(name, runs);
-      if constexpr (requires { part.signals; })
-        for (const std::string& signal : part.signals) run.recorded[signal];
+
+  void operator()(const Experiment& experiment) const {
+    std::set<std::string> ids, figures;
+    for (const ClaimCheck& check : experiment.claims)
+      std::visit(
+          [&](const auto& of) {
+            const std::string where = "claim '" + of.claim.id + "'";
+            Require(ids.insert(of.claim.id).second, where + ": there are two of that id");
+            At(where, [&] { CheckPart(of); });
+          },
+          check);
+    for (const FigureOf& figure : experiment.figures)
+      std::visit(
+          [&](const auto& of) {
+            const std::string where = "figure !" + std::string(of.kTag);
+            At(where, [&] { CheckPart(of); });
+            Require(figures.insert(of.file()).second,
+                    where + ": there are two figures named '" + of.file() + "'");
+          },
+          figure);
+  }
+
+ private:
+  /// Puts the place in front of what is wrong.
+  template <class Check>
+  static void At(const std::string& where, const Check& check) {
+    try {
+      check();
+    } catch (const Error& e) {
+      throw Error(where + ": " + e.what());
     }
-  if constexpr (requires { part.behind_observer; })
-    for (const auto* names : {&part.behind_observer, &part.as_if_static})
-      for (const std::string& name : *names) Find(name, runs);
-}
-
-template <class Part>
-void CheckAt(const std::string& where, const Part& part, const std::vector<Planned>& runs) {
-  try {
-    Check(part, runs);
-  } catch (const Error& e) {
-    throw Error(where + ": " + e.what());
   }
-}
 
-template <class Figure>
-std::string NameOf(const Figure& figure) {
-  if constexpr (requires { figure.name; })
-    return figure.name;
-  else
-    return Figure::kName;
-}
+  const KnownRun& Run(const std::string& name) const {
+    const auto found = std::ranges::find(runs_, name, &KnownRun::name);
+    if (found == runs_.end())
+      throw Error("there is no run '" + name + "'" + DidYouMean(name, names_));
+    return *found;
+  }
 
-void CheckParts(const Experiment& experiment, const std::vector<Planned>& runs) {
-  std::set<std::string> ids, figures;
-  for (const ClaimCheck& check : experiment.claims)
-    std::visit(
-        [&](const auto& of) {
-          const std::string where = "claim '" + of.claim.id + "'";
-          Require(ids.insert(of.claim.id).second, where + ": there are two of that id");
-          CheckAt(where, of, runs);
-        },
-        check);
-  for (const FigureOf& figure : experiment.figures)
-    std::visit(
-        [&](const auto& of) {
-          const std::string where = "figure '" + NameOf(of) + "'";
-          Require(figures.insert(NameOf(of)).second, where + ": there are two of that name");
-          CheckAt(where, of, runs);
-        },
-        figure);
+  /// What a claim or a figure names must be there, in the runs it is about.
+  template <class Part>
+  void CheckPart(const Part& part) const {
+    std::vector<std::string> runs;
+    const auto about = [&](const std::vector<std::string>& more) {
+      runs.insert(runs.end(), more.begin(), more.end());
+    };
+    if constexpr (requires { part.run; }) about({part.run});
+    if constexpr (requires { part.runs; }) about(part.runs);
+    if constexpr (requires { part.behind_observer; }) {
+      about(part.behind_observer);
+      about(part.as_if_static);
+    }
+    if constexpr (!std::is_same_v<Part, KeepsLimits>) Require(!runs.empty(), "it is about no run");
+    for (const std::string& name : runs) {
+      const KnownRun& run = Run(name);
+      if constexpr (requires { part.signal; }) part.RequireSound(run.recorded[part.signal]);
+      if constexpr (requires { part.signals; }) {
+        Require(!part.signals.empty(), "it shows no signal");
+        for (const std::string& signal : part.signals) run.recorded[signal];
+      }
+      if constexpr (requires { part.RequireFit(run.scenario); }) part.RequireFit(run.scenario);
+    }
+  }
+
+  const std::vector<KnownRun>& runs_;
+  std::vector<std::string> names_;
+};
+
+/// The keys of a scenario, which a run may change.
+void CheckChanges(const RunOf& run) {
+  std::vector<std::string> known;
+  Scenario{}.Parameters([&](std::string_view name, auto&, std::string_view = {},
+                            const Range& = kAnyNumber) { known.emplace_back(name); });
+  std::vector<std::string> others;
+  Experiment{}.Parameters(
+      [&](std::string_view name, auto&, std::string_view = {}, const Range& = kAnyNumber) {
+        if (std::ranges::find(known, name) == known.end()) others.emplace_back(name);
+      });
+  for (const auto& [path, yaml] : run.set)
+    Require(std::ranges::find(others, path.substr(0, path.find('.'))) == others.end(),
+            "a run changes its scenario only, not '" + path + "'");
 }
 
 }  // namespace
@@ -137,17 +163,18 @@ ExperimentFile ExperimentFile::ReadText(const std::string& text, const std::stri
   std::string at = source;
   try {
     CheckRunNames(runs);
-    std::vector<Planned> planned;
+    std::vector<KnownRun> known;
     for (const RunOf& run : runs) {
       at = source + ": run '" + run.name + "'";
+      CheckChanges(run);
       const auto names = std::make_shared<NamesOnly>();
       const Experiment changed = Filled(text, source, set, &run);
       file.scenarios.push_back(changed.scenario);
       ScenarioDiagram(changed.scenario, names).builder.Build();
-      planned.push_back({run.name, changed.scenario, Recording(names->signals, {})});
+      known.push_back({run.name, changed.scenario, Recording(names->signals, {})});
     }
     at = source;
-    CheckParts(file.experiment, planned);
+    NamesCheck{known}(file.experiment);
   } catch (const Error& e) {
     const std::string_view what = e.what();
     throw what.starts_with(source) || what.starts_with("--set") ? e : Error(at + ": " + e.what());

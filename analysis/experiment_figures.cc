@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <set>
 
 #include "pliant/analysis/compliance_claims.h"
@@ -37,7 +38,7 @@ Eigen::VectorXd PushForce(const RunData& run) {
 
 Figure VelocityFigure::Draw(const Runs& all) const {
   Figure figure{
-      .name = kName,
+      .name = file(),
       .caption =
           "Norms of the tool's linear and angular velocity and of the joint velocity, and "
           "(orange) the pushes. A column for each run.",
@@ -72,7 +73,7 @@ Figure VelocityFigure::Draw(const Runs& all) const {
 }
 
 Figure PredictionFigure::Draw(const Runs& all) const {
-  Figure figure{.name = kName,
+  Figure figure{.name = file(),
                 .caption =
                     "How far the tool is off, measured and predicted: behind the observer "
                     "by its transfer function, as if the push were static by Λ⁻¹F/λ₂."};
@@ -97,7 +98,7 @@ Figure PredictionFigure::Draw(const Runs& all) const {
 Figure LimitFigure::Draw(const Runs& all) const {
   const RunData& of = all[run];
   const RobotModel& model = of.arm.model;
-  Figure figure{.name = kName,
+  Figure figure{.name = file(),
                 .caption = "Joint positions, velocities and torques as parts of their limits, " +
                            of.title + ". Continuous joints have no position limit."};
   Panel position{.x = {.label = "time [s]"}, .left = {.label = "position / limit"}};
@@ -121,6 +122,13 @@ Figure LimitFigure::Draw(const Runs& all) const {
     figure.panels.push_back(std::move(*panel));
   }
   return figure;
+}
+
+void SignalFigure::RequireFit(const Scenario&) const {
+  const bool fit = std::ranges::all_of(
+      name, [](unsigned char c) { return c < 0x80 && (std::isalnum(c) || c == '_' || c == '-'); });
+  Require(fit, "its name, which names its file, has letters, digits, '_' and '-'",
+          "'" + name + "'");
 }
 
 Figure SignalFigure::Draw(const Runs& all) const {

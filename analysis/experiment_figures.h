@@ -12,13 +12,13 @@ namespace pliant {
 /// force of the pushes; a column for each run.
 struct VelocityFigure {
   static constexpr const char* kTag = "Velocities";
-  static constexpr const char* kName = "velocities";
   std::vector<std::string> runs;
 
   template <class F>
   void Parameters(F&& f) {
     f("runs", runs);
   }
+  std::string file() const { return "velocities"; }
   Figure Draw(const Runs& runs) const;
 };
 
@@ -26,7 +26,6 @@ struct VelocityFigure {
 /// and as if the pushes were static.
 struct PredictionFigure {
   static constexpr const char* kTag = "Predictions";
-  static constexpr const char* kName = "predictions";
   std::vector<std::string> behind_observer;
   std::vector<std::string> as_if_static;
 
@@ -35,19 +34,20 @@ struct PredictionFigure {
     f("behind_observer", behind_observer);
     f("as_if_static", as_if_static);
   }
+  std::string file() const { return "predictions"; }
   Figure Draw(const Runs& runs) const;
 };
 
 /// Joint positions, velocities and torques of a run as parts of their limits.
 struct LimitFigure {
   static constexpr const char* kTag = "Limits";
-  static constexpr const char* kName = "limits";
   std::string run;
 
   template <class F>
   void Parameters(F&& f) {
     f("run", run);
   }
+  std::string file() const { return "limits"; }
   Figure Draw(const Runs& runs) const;
 };
 
@@ -64,6 +64,8 @@ struct SignalFigure {
     f("runs", runs);
     f("signals", signals);
   }
+  std::string file() const { return name; }
+  void RequireFit(const Scenario& scenario) const;  ///< its name can be that of a file
   Figure Draw(const Runs& runs) const;
 };
 

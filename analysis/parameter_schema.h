@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -42,7 +43,10 @@ Json SchemaOf(std::string_view unit, const Range& range) {
   } else if constexpr (std::is_same_v<T, Duration>) {
     return {{"type", "string"}, {"description", "a time such as 1 ms or a rate such as 30 Hz"}};
   } else if constexpr (HasWords<T>) {
-    return {{"enum", Words(T{})}};
+    Json words = Words(T{});
+    // YAML without quotes takes this word for a flag.
+    if (std::ranges::count(Words(T{}), "true") > 0) words.push_back(true);
+    return {{"enum", words}};
   } else if constexpr (Dense<T>) {
     Json list{{"type", "array"}};
     if constexpr (T::ColsAtCompileTime == 1)

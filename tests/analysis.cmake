@@ -26,6 +26,10 @@ pliant_test(analysis/report_test.cc LIBRARIES pliant::analysis nlohmann_json::nl
 pliant_test(analysis/with_unit_test.cc LIBRARIES pliant::analysis)
 pliant_test(analysis/compliance_prediction_test.cc LIBRARIES pliant::analysis)
 pliant_test(analysis/null_space_compliance_test.cc LIBRARIES pliant::analysis)
+pliant_test(analysis/bound_claim_test.cc LIBRARIES pliant::analysis)
+pliant_test(analysis/compliance_claims_test.cc LIBRARIES pliant::analysis)
+pliant_test(analysis/experiment_test.cc LIBRARIES pliant::analysis)
+pliant_test(analysis/run_experiment_test.cc LIBRARIES pliant::analysis)
 pliant_test(analysis/work_precision_test.cc LIBRARIES pliant::analysis)
 pliant_test(analysis/integrator_study_test.cc LIBRARIES pliant::analysis)
 pliant_test(analysis/ros_schema_test.cc LIBRARIES pliant::analysis)
@@ -42,3 +46,12 @@ add_test(NAME analysis/mcap
          COMMAND Python3::Interpreter -B ${CMAKE_CURRENT_SOURCE_DIR}/analysis/mcap/mcap_test.py
                  $<TARGET_FILE:analysis_mcap_sample> ${CMAKE_CURRENT_BINARY_DIR}/mcap)
 set_tests_properties(analysis/mcap PROPERTIES TIMEOUT 600)
+
+# The schema of experiment files, read by a validator.
+add_executable(analysis_experiment_sample analysis/experiment_sample.cc)
+target_link_libraries(analysis_experiment_sample PRIVATE pliant_options pliant::analysis)
+set_target_properties(analysis_experiment_sample PROPERTIES RUNTIME_OUTPUT_DIRECTORY
+                                                            ${PROJECT_BINARY_DIR}/tests)
+add_test(NAME analysis/experiment_schema
+         COMMAND ${PLIANT_PYTHON} -B ${CMAKE_CURRENT_SOURCE_DIR}/analysis/experiment_schema_test.py
+                 ${PROJECT_SOURCE_DIR} $<TARGET_FILE:analysis_experiment_sample>)

@@ -1,28 +1,23 @@
-#include "pliant/analysis/null_space_compliance.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "pliant/systems/error.h"
+#include "pliant/tests/analysis/compliance_experiment.h"
+#include "pliant/tests/support/error_of.h"
 
 namespace pliant {
 namespace {
 
-std::string MessageOf(const NullSpaceComplianceOptions& options) {
-  try {
-    NullSpaceCompliance(options, {});
-  } catch (const Error& e) {
-    return e.what();
-  }
-  return "no Error";
+ExperimentFile NullSpaceCompliance(Overrides set) {
+  return ExperimentFile::Read(FindExperiment("null-space-compliance").file, set);
 }
 
-void ExpectAllToHold(const NullSpaceComplianceOptions& options) {
-  double last = 0;
-  const Report report = NullSpaceCompliance(
-      options, [&](const std::string&, double done, double, double) { last = done; });
-  EXPECT_EQ(last, 6);  // the progress reaches the end
+Overrides Ideal(const std::string& engine) {
+  return {{"station.ideal", "true"}, {"station.engine", engine}};
+}
+
+void ExpectAllToHold(const Overrides& set) {
+  const Report report = ReportOn(NullSpaceCompliance(set));
   EXPECT_EQ(report.claims.size(), 5u);
   for (const Claim& claim : report.claims)
     EXPECT_TRUE(claim.holds) << claim.id << ": " << claim.measured;
@@ -32,40 +27,37 @@ void ExpectAllToHold(const NullSpaceComplianceOptions& options) {
 }
 
 TEST(NullSpaceCompliance, HoldsEveryClaimOfThePaperWithEitherEngine) {
-  for (const auto engine : {SimbodyPlant::Engine::Simbody, SimbodyPlant::Engine::Recursive})
-    ExpectAllToHold({.ideal = true, .engine = engine});
+  for (const char* engine : {"simbody", "recursive"}) ExpectAllToHold(Ideal(engine));
 }
 
 TEST(NullSpaceCompliance, HoldsEveryClaimOnTheRealStationWhateverTheSensorsAreOffBy) {
-  for (const std::uint64_t seed : {1, 2})
-    ExpectAllToHold({.seed = seed, .engine = SimbodyPlant::Engine::Recursive});
+  for (const char* seed : {"1", "2"})
+    ExpectAllToHold({{"station.engine", "recursive"}, {"seed", seed}});
 }
 
 // Pushes of ten times the strength drive the arm into its limits: the claims are computed, not
 // stated.
 TEST(NullSpaceCompliance, FailsItsClaimsWhereTheyDoNotHold) {
-  const Report report = NullSpaceCompliance(
-      {.push_N = 200, .ideal = true, .engine = SimbodyPlant::Engine::Recursive}, {});
+  Overrides set = Ideal("recursive");
+  set.emplace_back("environment.0.force", "[0, 300, 0]");
+  set.emplace_back("environment.1.force", "[0, 0, -300]");
+  const Report report = ReportOn(NullSpaceCompliance(set));
   EXPECT_TRUE(std::ranges::any_of(report.claims, [](const Claim& c) { return !c.holds; }));
 }
 
 TEST(NullSpaceCompliance, RefusesARunThatEndsBeforeThePushes) {
-  EXPECT_EQ(MessageOf({.duration_s = 5}),
-            "duration_s must be >= 5.2, when the last push has ended, got 5");
-  EXPECT_EQ(MessageOf({.push_N = 0}), "push_N must be > 0, got 0");
+  EXPECT_TRUE(ErrorOf([] {
+                NullSpaceCompliance({{"duration_s", "4.7"}});
+              })
+                  .ends_with("claim 'full': duration_s must be >= 4.8, when its last push has "
+                             "lasted, got 4.7"));
 }
 
 TEST(Experiments, AreFoundByNameOrWithTheNearestOne) {
   EXPECT_EQ(FindExperiment("null-space-compliance").name, "null-space-compliance");
-  try {
-    FindExperiment("nul-space-compliance");
-    FAIL() << "no Error";
-  } catch (const Error& e) {
-    EXPECT_STREQ(
-        e.what(),
-        "there is no experiment 'nul-space-compliance'; did you mean 'null-space-compliance'?\n"
-        "`pliant experiment list` names them");
-  }
+  EXPECT_EQ(ErrorOf([] { FindExperiment("nul-space-compliance"); }),
+            "there is no experiment 'nul-space-compliance'; did you mean 'null-space-compliance'?\n"
+            "`pliant experiment list` names them");
 }
 
 }  // namespace

@@ -67,7 +67,7 @@ TEST(ArmActuators, NameThePlaceOfWhatIsWrong) {
   EXPECT_EQ(error("torque_constant: 0.1", "torque_constant: -0.1"),
             "arm.yaml:6:22: torque_constant must be > 0 N·m/A, got -0.1");
   EXPECT_EQ(error("rotor_inertia: 1e-5", "rotor_inertia: heavy"),
-            "arm.yaml:7:20: expected a number, got 'heavy'");
+            "arm.yaml:7:20: expected a number [kg·m²], got 'heavy'");
   EXPECT_THAT(error("viscous: 2", "viscos: 2"),
               HasSubstr("arm.yaml:12:5: there is no 'viscos' here; did you mean 'viscous'?"));
   EXPECT_THAT(error("    viscous: 2\n", ""), HasSubstr("'viscous' is missing"));

@@ -1,0 +1,238 @@
+#include "pliant/analysis/run_experiment.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "pliant/analysis/mcap_log.h"
+#include "pliant/tests/analysis/compliance_experiment.h"
+#include "pliant/tests/support/error_of.h"
+
+namespace pliant {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+ExperimentFile Short(const Overrides& set = {}) {
+  return ExperimentFile::ReadText(kShort, "short.yaml", set);
+}
+
+/// A real station: its sensors have noise.
+ExperimentFile Noisy() {
+  return Short({{"station.ideal", "false"},
+                {"integrator.method", "dormand_prince"},
+                {"duration_s", "0.02"}});
+}
+
+std::string NumbersOf(const RunData& run) {
+  std::string all;
+  for (const RecordedSignal& signal : run.log.signals())
+    all += signal.path + std::string(reinterpret_cast<const char*>(signal.numbers.data()),
+                                     static_cast<std::size_t>(signal.numbers.size()) * 8);
+  return all;
+}
+
+TEST(RunExperiment, LeavesAWholeLogOfEachRun) {
+  const TemporaryDirectory out;
+  double done = 0;
+  const auto logs = RunExperiment(
+      Short(), {.out = out.path() / "a/b",
+                .progress = [&](const std::string&, double now, double, double) { done = now; }});
+  EXPECT_DOUBLE_EQ(done, 0.1);
+  const fs::path folder = out.path() / "a/b/logs";
+  EXPECT_THAT(logs, ElementsAre(folder / "stiff.mcap", folder / "full.mcap"));
+  for (const RunData& run : ReadRuns(logs)) {
+    EXPECT_TRUE(run.whole);
+    EXPECT_EQ(run.times().size(), 101);  // every millisecond, both ends
+    EXPECT_DOUBLE_EQ(run.timing.simulated_s, 0.1);
+    EXPECT_EQ(run.timing.ticks, 101);
+    EXPECT_GT(run.timing.integrator_steps, 0);
+    EXPECT_EQ(run.title, run.name);
+    EXPECT_EQ(run.experiment, Short().text());
+  }
+}
+
+TEST(RunExperiment, GivesEachRepetitionItsSeedAndItsLog) {
+  const TemporaryDirectory out;
+  const auto logs = RunExperiment(Noisy(), {.out = out.path(), .repeat = 2});
+  const fs::path folder = out.path() / "logs";
+  EXPECT_THAT(logs, ElementsAre(folder / "stiff-0.mcap", folder / "full-0.mcap",
+                                folder / "stiff-1.mcap", folder / "full-1.mcap"));
+  const std::vector<RunData> runs = ReadRuns(logs);
+  for (const std::size_t i : {0, 1, 2, 3}) {
+    EXPECT_EQ(runs[i].scenario.seed, 1 + i / 2);
+    EXPECT_EQ(runs[i].repetition, static_cast<int>(i / 2));
+  }
+  EXPECT_NE(NumbersOf(runs[0]), NumbersOf(runs[2]));
+}
+
+TEST(RunExperiment, RecordsTheSameWithSeveralJobs) {
+  const TemporaryDirectory one, two;
+  const auto first = RunExperiment(Noisy(), {.out = one.path(), .repeat = 2});
+  const auto second = RunExperiment(Noisy(), {.out = two.path(), .repeat = 2, .jobs = 3});
+  ASSERT_EQ(first.size(), second.size());
+  for (std::size_t i = 0; i < first.size(); ++i)
+    EXPECT_EQ(NumbersOf(RunData::Read(first[i])), NumbersOf(RunData::Read(second[i])));
+}
+
+TEST(RunExperiment, LeavesLogsThatCanBeReadWhenItIsStopped) {
+  const TemporaryDirectory out;
+  std::atomic<bool> stop = false;
+  const auto logs = RunExperiment(Short({{"duration_s", "100"}}),
+                                  {.out = out.path(),
+                                   .progress = [&](const std::string&, double now, double,
+                                                   double) { stop = stop || now > 0.25; },
+                                   .stop = &stop});
+  ASSERT_EQ(logs.size(), 1u);  // the other was not begun
+  const std::vector<RunData> runs = ReadRuns(logs);
+  EXPECT_FALSE(runs[0].whole);
+  EXPECT_NEAR(runs[0].timing.simulated_s, 0.3, 1e-9);  // the flag is looked at each tenth
+  EXPECT_NEAR(runs[0].times().tail<1>()(0), 0.299, 1e-9);
+  EXPECT_EQ(ErrorOf([&] { ReportOf(runs); }),
+            logs[0].string() + ": the run ended at 0.299 s of 100 s; a report needs whole runs");
+}
+
+TEST(RunExperiment, RunsNothingOnceItIsStopped) {
+  const TemporaryDirectory out;
+  const std::atomic<bool> stop = true;
+  EXPECT_TRUE(RunExperiment(Short(), {.out = out.path(), .stop = &stop}).empty());
+}
+
+TEST(RunExperiment, RefusesToWriteOverLogsBeforeItRunsAny) {
+  const TemporaryDirectory out;
+  fs::create_directory(out.path() / "logs");
+  const fs::path there = out.path() / "logs/full.mcap";
+  std::ofstream(there) << "mine";
+  EXPECT_EQ(ErrorOf([&] { RunExperiment(Short(), {.out = out.path()}); }),
+            there.string() + " exists; give --force to write over it, or another --out");
+  EXPECT_FALSE(fs::exists(out.path() / "logs/stiff.mcap"));
+  EXPECT_EQ(ReadText(there), "mine");
+  EXPECT_EQ(RunExperiment(Short(), {.out = out.path(), .force = true}).size(), 2u);
+  EXPECT_TRUE(RunData::Read(there).whole);
+}
+
+TEST(RunExperiment, RefusesAPlaceItCannotWriteTo) {
+  const TemporaryDirectory out;
+  std::ofstream(out.path() / "file") << "mine";
+  EXPECT_EQ(
+      ErrorOf([&] { RunExperiment(Short(), {.out = out.path() / "file"}); }),
+      "cannot make the directory " + (out.path() / "file/logs").string() + ": Not a directory");
+  EXPECT_THAT(ErrorOf([] { RunExperiment(Short(), {.out = "/proc/none"}); }),
+              StartsWith("cannot make the directory /proc/none/logs: "));
+}
+
+TEST(RunExperiment, RefusesCountsBelowOne) {
+  EXPECT_EQ(ErrorOf([] { RunExperiment(Short(), {.out = "none", .repeat = 0}); }),
+            "repeat must be >= 1, got 0");
+  EXPECT_EQ(ErrorOf([] { RunExperiment(Short(), {.out = "none", .jobs = 0}); }),
+            "jobs must be >= 1, got 0");
+}
+
+// Steps that are too few for the first tick: the other run goes to its end.
+TEST(RunExperiment, SaysWhyARunCouldNotGoOnAndKeepsWhatItHas) {
+  const TemporaryDirectory out;
+  const ExperimentFile file = Short({{"runs.0.set", "{integrator.min_step_s: 0.1 s}"}});
+  const std::string error = ErrorOf([&] { RunExperiment(file, {.out = out.path()}); });
+  EXPECT_THAT(error, StartsWith((out.path() / "logs/stiff.mcap").string() + ": "));
+  const RunData run = RunData::Read(out.path() / "logs/stiff.mcap");
+  EXPECT_FALSE(run.whole);
+}
+
+TEST(ReportOf, RefusesLogsThatDoNotFitTogether) {
+  const TemporaryDirectory out, other;
+  const auto logs = RunExperiment(Short(), {.out = out.path()});
+  const auto others = RunExperiment(Short({{"seed", "2"}}), {.out = other.path()});
+  const auto error = [](const std::vector<fs::path>& of) {
+    return ErrorOf([&] { ReportOf(ReadRuns(of)); });
+  };
+  EXPECT_EQ(error(logs), "no error");
+  EXPECT_EQ(error({logs[1], logs[0]}), "no error");
+  EXPECT_EQ(error({}), "a report needs the log of a run");
+  EXPECT_EQ(error({logs[0]}),
+            "repetition 0 has no log of run 'full'; a report needs one of each run");
+  EXPECT_EQ(error({logs[0], logs[1], logs[0]}),
+            "repetition 0 has 2 logs of run 'stiff'; a report needs one of each run");
+  EXPECT_EQ(error({logs[0], others[1]}),
+            others[1].string() + ": the log is of another experiment than " + logs[0].string());
+}
+
+TEST(RunData, RefusesWhatIsNoLogOfARun) {
+  const TemporaryDirectory out;
+  const auto error = [](const fs::path& file) { return ErrorOf([&] { RunData::Read(file); }); };
+  const fs::path text = out.path() / "text.mcap", bare = out.path() / "bare.mcap",
+                 partly = out.path() / "partly.mcap";
+  std::ofstream(text) << "no log";
+  McapLog({.file = bare}).Close();
+  McapLog({.file = partly, .metadata = {{"pliant", {{"version", "1"}}}}}).Close();
+  EXPECT_THAT(error(out.path() / "none.mcap"), HasSubstr("none.mcap"));
+  EXPECT_THAT(error(text), StartsWith(text.string() + ": "));
+  EXPECT_EQ(error(bare),
+            bare.string() + ": it has no record 'pliant'; expected a log that `pliant run` wrote");
+  EXPECT_EQ(error(partly),
+            partly.string() +
+                ": its record 'pliant' says nothing under 'run'; expected a log that "
+                "`pliant run` wrote");
+}
+
+TEST(ReportOf, HoldsAClaimOnlyIfItHoldsInEveryRepetition) {
+  const TemporaryDirectory out;
+  ExperimentFile file = Noisy();
+  BoundClaim bound{.claim = {.id = "a", .source = "s", .paper = "p"},
+                   .basis = "b",
+                   .run = "stiff",
+                   .signal = "arm.measured_position",
+                   .elements = {"joint_1"},
+                   .statistic = Statistic::Last};
+  bound.most = 10;
+  file.experiment.claims = {bound};
+  std::vector<RunData> runs = ReadRuns(RunExperiment(file, {.out = out.path(), .repeat = 2}));
+  const Report holds = ReportOf(runs);
+  EXPECT_TRUE(holds.claims.at(0).holds);
+  EXPECT_THAT(holds.claims[0].measured,
+              StartsWith("holds in 2 of 2 repetitions; in the first: last of "));
+  EXPECT_THAT(holds.claims[0].criterion, HasSubstr("; in every repetition"));
+
+  // A bound between what the two repetitions measured.
+  const auto last = [&](std::size_t i) {
+    return std::abs(runs[i].log["arm.measured_position"]["joint_1"].tail<1>()(0));
+  };
+  bound.most = (last(0) + last(2)) / 2;
+  file.experiment.claims = {bound};
+  for (RunData& run : runs) run.experiment = file.text();
+  const Report fails = ReportOf(runs);
+  EXPECT_FALSE(fails.claims.at(0).holds);
+  EXPECT_THAT(fails.claims[0].measured,
+              StartsWith("holds in 1 of 2 repetitions; in the first that fails: last of "));
+}
+
+TEST(ReportOf, HoldsTheRunsOfAMinuteInLessThanFiveMegabytes) {
+  const TemporaryDirectory out;
+  std::vector<RunData> runs = ReadRuns(RunExperiment(Short(), {.out = out.path()}));
+  // The signals there are, with a minute of made-up numbers at 1 kHz.
+  for (RunData& run : runs) {
+    std::vector<RecordedSignal> signals = run.log.signals();
+    for (RecordedSignal& signal : signals) {
+      signal.times = Eigen::VectorXd::LinSpaced(60'001, 0, 60);
+      const Eigen::Index rows = signal.numbers.rows();
+      signal.numbers = Eigen::MatrixXd::Zero(rows, signal.times.size());
+      if (signal.type == ContactForce::quantity.name) continue;  // no link beyond the robot's
+      for (Eigen::Index i = 0; i < rows; ++i)
+        signal.numbers.row(i) =
+            (signal.times.array() * (1 + 0.1 * static_cast<double>(i))).sin().transpose();
+    }
+    run.log = Recording(signals, run.log.metadata(), run.log.robot_description());
+  }
+  const fs::path page = out.path() / "report/report.html";
+  WriteReport(ReportOf(runs), page.parent_path(), runs);
+  EXPECT_LT(fs::file_size(page), 5'000'000u);
+  const std::string html = ReadText(page);
+  EXPECT_THAT(html, HasSubstr("<section id=\"replay\">"));
+  EXPECT_THAT(html, HasSubstr("id=\"data-1\""));
+}
+
+}  // namespace
+}  // namespace pliant
