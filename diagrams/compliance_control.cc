@@ -31,20 +31,21 @@ ComplianceControl::ComplianceControl(const Options& o)
       "observer",
       {.joints = joints, .gain = PerJoint::Constant(n, o.observer_gain), .period = o.period});
   auto& external = Add<ExternalAcceleration>("external", {.joints = joints});
-  auto& pose = Add<FrameTask>("pose", {.model = o.model,
-                                  .frame = o.tool,
-                                  .target = start.frame[0].pose,
-                                  .stiffness = TaskVector::Constant(6, o.pose.stiffness),
-                                  .damping = TaskVector::Constant(6, o.pose.damping),
-                                  .weight = o.pose.weight,
-                                  .compliance = o.pose.compliance * TaskMatrix::Identity(6, 6)});
-  auto& posture = Add<PostureTask>("posture",
-                              {.model = o.model,
-                               .target = o.position,
-                               .stiffness = PerJoint::Constant(n, o.posture.stiffness),
-                               .damping = PerJoint::Constant(n, o.posture.damping),
-                               .weight = o.posture.weight,
-                               .compliance = o.posture.compliance * JointMatrix::Identity(n, n)});
+  auto& pose =
+      Add<FrameTask>("pose", {.model = o.model,
+                              .frame = o.tool,
+                              .target = start.frame[0].pose,
+                              .stiffness = TaskVector::Constant(6, o.pose.stiffness),
+                              .damping = TaskVector::Constant(6, o.pose.damping),
+                              .weight = o.pose.weight,
+                              .compliance = o.pose.compliance * TaskMatrix::Identity(6, 6)});
+  auto& posture = Add<PostureTask>(
+      "posture", {.model = o.model,
+                  .target = o.position,
+                  .stiffness = PerJoint::Constant(n, o.posture.stiffness),
+                  .damping = PerJoint::Constant(n, o.posture.damping),
+                  .weight = o.posture.weight,
+                  .compliance = o.posture.compliance * JointMatrix::Identity(n, n)});
   JointDamper::Options limits = o.damper;
   limits.model = o.model;
   auto& damper = Add<JointDamper>("damper", limits);

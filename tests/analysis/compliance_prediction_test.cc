@@ -5,8 +5,8 @@
 #include <cmath>
 #include <random>
 
-#include "pliant/plants/shared_file.h"
 #include "pliant/plants/robot_dynamics.h"
+#include "pliant/plants/shared_file.h"
 
 namespace pliant {
 namespace {
