@@ -2,6 +2,7 @@
 
 import copy
 import json
+import re
 import subprocess
 import sys
 import unittest
@@ -15,7 +16,7 @@ del sys.argv[1:]
 
 
 class Loader(yaml.SafeLoader):
-    """Maps any tag to the value behind it."""
+    """Maps any tag to the value behind it, and takes 1e-6 for a number, as YAML 1.2 does."""
 
 
 def plain(loader, _, node):
@@ -27,6 +28,8 @@ def plain(loader, _, node):
 
 
 Loader.add_multi_constructor("!", plain)
+Loader.add_implicit_resolver("tag:yaml.org,2002:float", re.compile(r"[-+]?[0-9.]+e[-+]?[0-9]+$"),
+                             list("-+.0123456789"))
 
 
 def read(text):
