@@ -216,12 +216,30 @@ Decimated Decimate(const PageColumns& columns, std::size_t rows) {
 }
 
 FittedData FitPageData(const PageColumns& columns, std::size_t characters) {
+  const std::size_t all = columns.empty() ? 0 : columns[0].size();
+  // What a stretch from the middle costs says where to begin: packing all of a long run, to find
+  // that it is too much, takes seconds.
+  constexpr std::size_t kStretch = 4000;
+  const auto expected = [&](int bits) {
+    if (all <= kStretch) return std::size_t{0};
+    PageColumns stretch;
+    for (const std::vector<double>& column : columns) {
+      const auto begin = column.begin() + static_cast<std::ptrdiff_t>((all - kStretch) / 2);
+      stretch.emplace_back(begin, begin + kStretch);
+    }
+    return PageData(stretch, bits).size() * all / kStretch;
+  };
   for (const int bits : {24, 16}) {
+    if (expected(bits) > 2 * characters) continue;
     std::string text = PageData(columns, bits);
-    if (text.size() <= characters)
-      return {std::move(text), columns[0].size(), "every value is shown"};
+    if (text.size() <= characters) return {std::move(text), all, "every value is shown"};
   }
-  for (std::size_t rows = columns[0].size(); true;) {
+  std::size_t rows = all;
+  // Half as much again as expected: a stretch has a smaller span than all, and seems rougher.
+  if (const std::size_t size = expected(16); size > 1.5 * static_cast<double>(characters))
+    rows = static_cast<std::size_t>(1.5 * static_cast<double>(all) *
+                                    static_cast<double>(characters) / static_cast<double>(size));
+  for (;;) {
     const Decimated fewer = Decimate(columns, std::max<std::size_t>(rows, 2));
     std::string text = PageData(fewer.columns, 16);
     const std::size_t size = text.size(), kept = fewer.columns[0].size();
