@@ -241,6 +241,12 @@ std::vector<Extent> Extents(const std::vector<RunData>& runs, const char* path,
   return extents;
 }
 
+Experiment ExperimentOf(const RunData& run) {
+  Experiment experiment;
+  ParameterFile::ReadText(run.experiment, run.file.string() + ": experiment").Fill(experiment);
+  return experiment;
+}
+
 /// The runs of each repetition; throws Error if they do not fit together.
 std::vector<Runs> Repetitions(const std::vector<RunData>& runs, const Experiment& experiment) {
   std::map<int, std::vector<const RunData*>> by_number;
@@ -306,11 +312,20 @@ std::vector<std::filesystem::path> RunExperiment(const ExperimentFile& file, con
   return Execution(file, o).Run();
 }
 
+std::vector<RunData> ReadRuns(const std::vector<std::filesystem::path>& logs) {
+  std::vector<RunData> runs;
+  for (const std::filesystem::path& log : logs) runs.push_back(RunData::Read(log));
+  if (runs.empty()) return runs;
+  const Experiment experiment = ExperimentOf(runs.front());
+  std::ranges::stable_sort(runs, {}, [&](const RunData& run) {
+    return std::pair(run.repetition, std::ranges::find(experiment.runs, run.name, &RunOf::name));
+  });
+  return runs;
+}
+
 Report ReportOf(const std::vector<RunData>& runs) {
   Require(!runs.empty(), "a report needs the log of a run");
-  Experiment experiment;
-  ParameterFile::ReadText(runs.front().experiment, runs.front().file.string() + ": experiment")
-      .Fill(experiment);
+  const Experiment experiment = ExperimentOf(runs.front());
   const std::vector<Runs> repetitions = Repetitions(runs, experiment);
 
   Report report{.title = experiment.title, .summary = experiment.summary};

@@ -32,6 +32,9 @@ struct RunOptions {
 /// ended.
 std::vector<std::filesystem::path> RunExperiment(const ExperimentFile& file, const RunOptions& o);
 
+/// What the logs of an experiment's runs hold: by repetition, and then in the order of the experiment.
+std::vector<RunData> ReadRuns(const std::vector<std::filesystem::path>& logs);
+
 /// The report on the runs of one experiment: its claims, figures and tables from their logs.
 /// A claim holds if it holds in every repetition. Throws Error if the logs are of different
 /// experiments, or runs are missing.

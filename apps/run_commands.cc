@@ -80,8 +80,7 @@ int WriteAndTell(const Report& report, const fs::path& out, bool strict,
 }
 
 int ReportOnLogs(const std::vector<fs::path>& logs, const Told& told) {
-  std::vector<RunData> runs;
-  for (const fs::path& log : logs) runs.push_back(RunData::Read(log));
+  const std::vector<RunData> runs = ReadRuns(logs);
   return WriteAndTell(ReportOf(runs), told.out, told.strict, runs);
 }
 

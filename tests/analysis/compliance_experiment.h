@@ -1,8 +1,6 @@
 #pragma once
 
-#include <atomic>
 #include <string>
-#include <vector>
 
 #include "pliant/analysis/run_experiment.h"
 #include "pliant/tests/support/temporary_directory.h"
@@ -22,12 +20,6 @@ runs:
   - {name: stiff, title: stiff}
   - {name: full, title: full, set: {controller.pose.compliance: 1, controller.posture.compliance: 1}}
 )";
-
-inline std::vector<RunData> ReadRuns(const std::vector<std::filesystem::path>& logs) {
-  std::vector<RunData> runs;
-  for (const std::filesystem::path& log : logs) runs.push_back(RunData::Read(log));
-  return runs;
-}
 
 /// The report on all runs of an experiment.
 inline Report ReportOn(const ExperimentFile& file) {

@@ -150,6 +150,15 @@ TEST(RunExperiment, SaysWhyARunCouldNotGoOnAndKeepsWhatItHas) {
   EXPECT_FALSE(run.whole);
 }
 
+TEST(ReadRuns, OrdersLogsAsTheExperimentDoes) {
+  const TemporaryDirectory out;
+  const auto logs = RunExperiment(Short(), {.out = out.path(), .repeat = 2});
+  std::vector<std::string> names;
+  for (const RunData& run : ReadRuns({logs[3], logs[1], logs[2], logs[0]}))
+    names.push_back(run.name + Text(run.repetition));
+  EXPECT_THAT(names, ElementsAre("stiff0", "full0", "stiff1", "full1"));
+}
+
 TEST(ReportOf, RefusesLogsThatDoNotFitTogether) {
   const TemporaryDirectory out, other;
   const auto logs = RunExperiment(Short(), {.out = out.path()});
