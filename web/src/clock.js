@@ -36,20 +36,20 @@ export class Clock {
     this.playing = true;
     let last = performance.now();
     const frame = (now) => {
-      if (!this.playing) return;
       const passed = Math.max(now - last, 0) / 1000;
       last = now;
       this.time = Math.min(this.time + passed * this.speed, this.to);
       if (this.time >= this.to) this.playing = false;
-      else requestAnimationFrame(frame);
+      else this.frame = requestAnimationFrame(frame);
       this.changed();
     };
-    requestAnimationFrame(frame);
+    this.frame = requestAnimationFrame(frame);
     this.changed();
   }
 
   pause() {
     this.playing = false;
+    cancelAnimationFrame(this.frame);
     this.changed();
   }
 }

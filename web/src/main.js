@@ -29,6 +29,7 @@ class Replay {
       onPoint: (text) => (this.pointer.textContent = text),
     });
     this.note = make("p", { class: "quiet" });
+    this.alert = make("p", { role: "alert", hidden: true });
     this.#build();
     watchScheme(() => this.#recolour());
     document.addEventListener("keydown", (event) => this.#key(event));
@@ -65,6 +66,7 @@ class Replay {
     this.root.append(
       make("h2", {}, "Replay"),
       ...this.#makeTabs(),
+      this.alert,
       this.stage,
       this.note,
       makeHelp(),
@@ -80,7 +82,7 @@ class Replay {
           type: "button",
           role: "tab",
           "aria-controls": "replay-stage",
-          onclick: () => this.run(i),
+          onclick: () => this.select(i),
         },
         run.title,
       ),
@@ -98,7 +100,7 @@ class Replay {
             const count = this.tabs.length;
             const next = (this.tabs.indexOf(document.activeElement) + step + count) % count;
             this.tabs[next].focus();
-            this.run(next);
+            this.select(next);
             event.preventDefault();
           },
         },
@@ -164,9 +166,29 @@ class Replay {
 
   // ---- a run -----------------------------------------------------------------------------------
 
-  async run(index) {
-    if (!this.page.runs[index]) throw new Error(`there is no run ${index}`);
+  /// Shows a run, or says to the reader why not and leaves what is shown. The error goes on to the
+  /// script that asked, or to the console.
+  async select(index) {
     this.wanted = index;
+    try {
+      await this.#run(index);
+      if (this.wanted === index) this.alert.hidden = true;
+    } catch (error) {
+      if (this.wanted === index) this.#tell(index, error);
+      throw error;
+    }
+  }
+
+  #tell(index, error) {
+    const run = this.page.runs[index];
+    const what = this.tabs && run ? `The run “${run.title}”` : "The replay";
+    this.alert.textContent = failure(what, error);
+    this.alert.hidden = false;
+  }
+
+  async #run(index) {
+    if (!this.page.runs[index])
+      throw new Error(`there is no run ${index}: the last is ${this.page.runs.length - 1}`);
     this.clock.pause();
     this.loaded[index] ??= Run.load(this.page.runs[index]);
     const run = await this.loaded[index];
@@ -277,31 +299,31 @@ function makeHelp() {
   );
 }
 
+function failure(what, error) {
+  return `${what} cannot be shown: ${error.message.replace(/\.$/, "")}.`;
+}
+
 // ---- start -------------------------------------------------------------------------------------
 
 function start() {
   const root = document.getElementById("replay");
   const source = document.getElementById("runs");
   if (!root || !source) return;
-  const fail = (error) => {
-    root.append(make("p", { role: "alert" }, `The replay cannot be shown: ${error.message}.`));
-    throw error;
-  };
   try {
     const page = JSON.parse(source.textContent);
     if (!page.runs?.length) return;
     if (typeof DecompressionStream === "undefined")
       throw new Error("this browser is too old to unpack it (it has no DecompressionStream)");
     const replay = new Replay(root, page);
-    const run = (index) => replay.run(index).catch(fail);
     window.pliant = {
       time: () => replay.clock.time,
       seek: (t) => replay.clock.seek(t),
-      run,
-      ready: run(0),
+      run: (index) => replay.select(index),
+      ready: replay.select(0),
     };
   } catch (error) {
-    fail(error);
+    root.append(make("p", { role: "alert" }, failure("The replay", error)));
+    throw error;
   }
 }
 

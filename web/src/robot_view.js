@@ -59,6 +59,7 @@ export class RobotView {
     for (const link of robot.links) this.#addLink(link);
     this.#addJointsOfBareLinks(robot);
     this.arrows = [];
+    this.spent = new Set();
     this.#listen();
   }
 
@@ -101,7 +102,7 @@ export class RobotView {
   setPalette(palette) {
     this.palette = palette;
     const size = this.size ?? 1;
-    this.scene.remove(this.ground, this.axes);
+    this.#discard(this.ground, this.axes);
     const cell = 10 ** Math.floor(Math.log10(size)) / (size < 2 ? 10 : 5);
     const cells = 2 * Math.ceil((0.9 * size) / cell);
     this.ground = new GridHelper(cells * cell, cells, palette.grey, palette.grid);
@@ -159,7 +160,7 @@ export class RobotView {
   }
 
   #trace() {
-    this.scene.remove(this.whole, this.trail);
+    this.#discard(this.whole, this.trail);
     const rows = this.run.times.length;
     const count = Math.min(rows, kTraceRows);
     const points = new Float32Array(3 * count);
@@ -193,7 +194,7 @@ export class RobotView {
   }
 
   #makeArrows() {
-    for (const arrow of this.arrows) this.scene.remove(arrow.group);
+    this.#discard(...this.arrows.map((arrow) => arrow.group));
     this.arrows = (this.run.description.forces ?? []).map(({ link, point, columns }) => {
       if (!this.links.has(link)) throw new Error(`a force acts on “${link}”, no link of the robot`);
       const found = columns.map((name) => this.run.byName.get(name));
@@ -336,7 +337,20 @@ export class RobotView {
     requestAnimationFrame(() => {
       this.drawing = false;
       this.renderer.render(this.scene, this.camera);
+      for (const one of this.spent) one.dispose();
+      this.spent.clear();
     });
+  }
+
+  /// Takes objects from the scene. What they hold on the GPU is given back after the next picture, in
+  /// which new materials share the shaders of the old: else these would be compiled anew.
+  #discard(...objects) {
+    for (const object of objects) {
+      object?.removeFromParent();
+      object?.traverse(({ geometry, material }) => {
+        if (geometry) this.spent.add(geometry).add(material);
+      });
+    }
   }
 }
 

@@ -6,7 +6,10 @@ export class Run {
   static async load(description) {
     const source = document.getElementById(description.data);
     if (!source) throw new Error(`the page has no element “${description.data}”`);
-    const { columns } = await decodePageData(source.textContent);
+    const { columns } = await decodePageData(source.textContent).catch((cause) => {
+      const what = `the data in “${description.data}” cannot be unpacked`;
+      throw new Error(`${what}; make the report again`, { cause });
+    });
     if (columns.length !== description.columns.length)
       throw new Error(
         `${columns.length} columns of data for ${description.columns.length} names of columns`,

@@ -7,54 +7,28 @@ import { mkdirSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { pathToFileURL } from "node:url";
 
-import { chromium } from "playwright-core";
-
+import { drawn, launch, open, ready, seek } from "./browser.mjs";
 import { samplePage } from "./sample_page.mjs";
 
-const [dist, folder, executablePath = "/usr/bin/chromium"] = process.argv.slice(2);
+const [dist, folder, executablePath] = process.argv.slice(2);
 mkdirSync(folder, { recursive: true });
-const file = join(folder, "page.html");
-writeFileSync(file, samplePage(dist));
-const address = pathToFileURL(file).href;
+const sample = samplePage(dist);
+const address = written("page.html", sample);
 
-const browser = await chromium.launch({
-  executablePath,
-  args: [
-    "--no-sandbox",
-    "--use-gl=angle",
-    "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader",
-  ],
-});
+const browser = await launch(executablePath);
 const kWide = { width: 1280, height: 800 };
 const kNarrow = { width: 360, height: 700 };
 
 // ---- what the tests are written in -------------------------------------------------------------
 
-/// A page with a list of what it has asked for and what has gone wrong in it.
-async function open({ prepare, url = address, ...options } = {}) {
-  const context = await browser.newContext({ viewport: kWide, ...options });
-  context.setDefaultTimeout(120000);
-  const page = await context.newPage();
-  const requests = [];
-  const faults = [];
-  await context.route("**/*", (route) => {
-    requests.push(route.request().url());
-    return route.continue();
-  });
-  page.on("pageerror", (error) => faults.push(error.message));
-  page.on("console", (message) => message.type() === "error" && faults.push(message.text()));
-  if (prepare) await page.addInitScript(prepare);
-  await page.goto(url);
-  return { page, requests, faults, close: () => context.close() };
+/// The address of a page in the folder.
+function written(name, text) {
+  const file = join(folder, name);
+  writeFileSync(file, text);
+  return pathToFileURL(file).href;
 }
 
-const ready = (page) => page.evaluate(() => window.pliant.ready);
 const time = (page) => page.evaluate(() => window.pliant.time());
-const drawn = (page) =>
-  page.evaluate(
-    () => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))),
-  );
 const plots = (page) => page.locator("#replay .plot");
 const curves = (page, i) => plots(page).nth(i).locator(".u-over");
 const showAll = (page) => page.getByRole("button", { name: "Show all" });
@@ -107,6 +81,24 @@ async function drag(page, plot, from, to) {
 const near = (found, expected, span) =>
   assert.ok(Math.abs(found - expected) < span / 300, `${found} s, not ${expected} s`);
 
+/// Counts what the page holds on the GPU, and the programs that it has ever compiled for it.
+function countGpuObjects() {
+  window.gpu = { held: 0, compiled: 0 };
+  const context = WebGL2RenderingContext.prototype;
+  for (const kind of ["Buffer", "VertexArray", "Program", "Texture"]) {
+    const { [`create${kind}`]: create, [`delete${kind}`]: remove } = context;
+    context[`create${kind}`] = function () {
+      ++window.gpu.held;
+      if (kind === "Program") ++window.gpu.compiled;
+      return create.call(this);
+    };
+    context[`delete${kind}`] = function (object) {
+      if (object) --window.gpu.held;
+      return remove.call(this, object);
+    };
+  }
+}
+
 async function test(name, act) {
   await act();
   console.log(`ok  ${name}`);
@@ -114,7 +106,11 @@ async function test(name, act) {
 
 // ---- one page, from opening to its second run --------------------------------------------------
 
-const { page, requests, faults, close } = await open({ colorScheme: "light" });
+const { page, requests, faults, close } = await open(browser, address, {
+  viewport: kWide,
+  colorScheme: "light",
+  prepare: countGpuObjects,
+});
 await ready(page);
 
 await test("the robot is drawn", async () => {
@@ -138,15 +134,14 @@ await test("a click in a plot seeks, and the robot moves", async () => {
 });
 
 await test("the force is shown while it acts", async () => {
-  await page.evaluate(() => window.pliant.seek(1.25));
-  await drawn(page);
+  await seek(page, 1.25);
   assert.equal(await page.locator("#replay .forces").innerText(), "→push_1.force.force 29.7 N");
-  await page.evaluate(() => window.pliant.seek(3));
+  await seek(page, 3);
   assert.equal(await page.locator("#replay .forces").innerText(), "");
 });
 
 await test("a time past the end is the end", async () => {
-  await page.evaluate(() => window.pliant.seek(100));
+  await seek(page, 100);
   assert.equal(await time(page), 6);
 });
 
@@ -162,14 +157,14 @@ await test("a drag zooms all plots, a double click shows all again", async () =>
 });
 
 await test("a drag does not seek", async () => {
-  await page.evaluate(() => window.pliant.seek(0.5));
+  await seek(page, 0.5);
   await drag(page, 1, 0.5, 0.75);
   assert.equal(await time(page), 0.5);
   await showAll(page).click();
 });
 
 await test("keys on a plot move the time and zoom", async () => {
-  await page.evaluate(() => window.pliant.seek(3));
+  await seek(page, 3);
   await plots(page).first().focus();
   await page.keyboard.press("ArrowRight");
   near(await time(page), 3.03, 0.3);
@@ -195,7 +190,7 @@ await test("space plays and pauses", async () => {
 
 await test("playing ends at the end, and begins again", async () => {
   await page.getByLabel("Speed").selectOption("2");
-  await page.evaluate(() => window.pliant.seek(5.9));
+  await seek(page, 5.9);
   await page.getByRole("button", { name: "Play", exact: true }).click();
   await page.waitForFunction(() => window.pliant.time() === 6);
   await page.getByLabel("Speed").selectOption("0.1");
@@ -258,7 +253,7 @@ await test("the 3-D view turns by keys and by the mouse", async () => {
 });
 
 await test("another run has its own length, robot and plots", async () => {
-  await page.evaluate(() => window.pliant.seek(5));
+  await seek(page, 5);
   const before = await view(page);
   await page.getByRole("tab", { name: /compliant/ }).click();
   await page.getByText("4001 rows").waitFor();
@@ -267,16 +262,26 @@ await test("another run has its own length, robot and plots", async () => {
     "compliant in the null space, Γ = 0.8 I",
   );
   assert.equal(await time(page), 4);
-  await page.evaluate(() => window.pliant.seek(1.2));
+  await seek(page, 1.2);
   assert.ok(!before.equals(await view(page)));
   near(await clicked(page, 0, 0.5), 2, 4);
   await page.evaluate(() => window.pliant.run(0));
   await page.getByText("6001 rows").waitFor();
 });
 
+await test("a script that asks for a run too many is told how many there are", async () => {
+  const said = /there is no run 2: the last is 1/;
+  await assert.rejects(
+    page.evaluate(() => window.pliant.run(2)),
+    said,
+  );
+  assert.match(await page.getByRole("alert").innerText(), said);
+  await page.evaluate(() => window.pliant.run(0));
+  assert.equal(await page.getByRole("alert").count(), 0);
+});
+
 await test("the page follows light and dark", async () => {
-  await page.evaluate(() => window.pliant.seek(1.2));
-  await drawn(page);
+  await seek(page, 1.2);
   await page.screenshot({ path: join(folder, "light.png"), fullPage: true });
   const curve = async () => coloursOf(await plots(page).first().locator("canvas").screenshot());
   assert.ok((await curve())["0,114,178"] > 50, "no curve in the blue of light pages");
@@ -303,6 +308,20 @@ await test("a narrow window shows all without scrolling sideways", async () => {
   await page.screenshot({ path: join(folder, "narrow.png"), fullPage: true });
 });
 
+await test("runs and colours that come and go leave nothing on the GPU and compile nothing", async () => {
+  const comeAndGo = async () => {
+    await page.emulateMedia({ colorScheme: "light" });
+    await page.evaluate(() => window.pliant.run(1));
+    await page.emulateMedia({ colorScheme: "dark" });
+    await page.evaluate(() => window.pliant.run(0));
+    await drawn(page);
+    return page.evaluate(() => window.gpu);
+  };
+  const first = await comeAndGo();
+  assert.ok(first.held > 0, "nothing is counted");
+  for (let i = 0; i < 2; ++i) assert.deepEqual(await comeAndGo(), first);
+});
+
 await test("paper has none of it", async () => {
   await page.emulateMedia({ media: "print" });
   assert.ok(await page.locator("#replay").isHidden());
@@ -317,7 +336,8 @@ await close();
 // ---- where something is missing ----------------------------------------------------------------
 
 await test("without WebGL the plots work, and a message says why there is no robot", async () => {
-  const { page, close } = await open({
+  const { page, close } = await open(browser, address, {
+    viewport: kWide,
     prepare: () => {
       const { getContext } = HTMLCanvasElement.prototype;
       HTMLCanvasElement.prototype.getContext = function (kind, ...rest) {
@@ -334,20 +354,55 @@ await test("without WebGL the plots work, and a message says why there is no rob
 });
 
 await test("without scripts the section is not there", async () => {
-  const { page, close } = await open({ javaScriptEnabled: false });
+  const { page, close } = await open(browser, address, { javaScriptEnabled: false });
   await page.getByText("The text goes on below the replay.").waitFor();
   assert.ok(await page.locator("#replay").isHidden());
   await close();
 });
 
 await test("a page without the data of its run says so", async () => {
-  const broken = join(folder, "broken.html");
-  writeFileSync(broken, samplePage(dist).replace('id="data-0"', 'id="elsewhere"'));
-  const { page, close } = await open({ url: pathToFileURL(broken).href });
+  const broken = written("broken.html", sample.replace('id="data-0"', 'id="elsewhere"'));
+  const { page, close } = await open(browser, broken);
+  await assert.rejects(ready(page), /the page has no element “data-0”/);
   assert.equal(
     await page.getByRole("alert").innerText(),
-    "The replay cannot be shown: the page has no element “data-0”.",
+    "The run “stiff, Γ = 0” cannot be shown: the page has no element “data-0”.",
   );
+  await close();
+});
+
+await test("a run that cannot be decoded is named, and the run before it stays", async () => {
+  const cut = written("cut.html", sample.replace('id="data-1">', 'id="data-1">AAAA'));
+  const { page, faults, close } = await open(browser, cut, { viewport: kWide });
+  await ready(page);
+  const alert = page.getByRole("alert");
+  const [first, second] = await page.getByRole("tab").all();
+  const message =
+    "The run “compliant in the null space, Γ = 0.8 I” cannot be shown: " +
+    "the data in “data-1” cannot be unpacked; make the report again.";
+  const itsMessage = async () => {
+    await alert.waitFor();
+    assert.equal(await alert.innerText(), message);
+    assert.equal(await first.getAttribute("aria-selected"), "true");
+    await page.getByText("6001 rows").waitFor();
+  };
+
+  assert.equal(await alert.count(), 0);
+  await second.click();
+  await itsMessage();
+  await page.screenshot({ path: join(folder, "cut.png") });
+  await first.click();
+  await alert.waitFor({ state: "hidden" });
+  await page.keyboard.press("ArrowRight");
+  await itsMessage();
+  await first.click();
+  await alert.waitFor({ state: "hidden" });
+  await assert.rejects(
+    page.evaluate(() => window.pliant.run(1)),
+    /“data-1” cannot be unpacked/,
+  );
+  await itsMessage();
+  assert.equal(faults.length, 2, "the console is told of the tab and of the key");
   await close();
 });
 

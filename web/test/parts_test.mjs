@@ -3,6 +3,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
+import { Clock } from "../src/clock.js";
 import { Kinematics, multiply, pose, transform } from "../src/kinematics.js";
 import { carriedOver, firstLayout, takes, withNames, without } from "../src/layout.js";
 import { timeText, valueText } from "../src/number.js";
@@ -149,4 +150,60 @@ test("times have the digits that their span asks for", () => {
   assert.equal(timeText(1.23456, 6), "1.235");
   assert.equal(timeText(-1.23456, 600), "−1.23");
   assert.equal(timeText(0.012345, 0.1), "0.01235");
+});
+
+/// Frames that are drawn when the test says so.
+function withFrames(t) {
+  const waiting = new Map();
+  let last = 0;
+  globalThis.requestAnimationFrame = (act) => (waiting.set(++last, act), last);
+  globalThis.cancelAnimationFrame = (id) => waiting.delete(id);
+  t.mock.method(performance, "now", () => 0);
+  t.after(() => {
+    delete globalThis.requestAnimationFrame;
+    delete globalThis.cancelAnimationFrame;
+  });
+  return (milliseconds) => {
+    const acts = [...waiting.values()];
+    waiting.clear();
+    for (const act of acts) act(milliseconds);
+  };
+}
+
+function clockOf(seconds) {
+  const clock = new Clock(() => {});
+  clock.setSpan(0, seconds);
+  return clock;
+}
+
+test("a clock plays as fast as its speed says, and stops at the end", (t) => {
+  const frame = withFrames(t);
+  const clock = clockOf(1);
+  clock.setSpeed(2);
+  clock.play();
+  frame(250);
+  assert.equal(clock.time, 0.5);
+  frame(750);
+  assert.equal(clock.time, 1);
+  assert.ok(!clock.playing);
+});
+
+test("a clock paused and played again before the next frame is as fast as before", (t) => {
+  const frame = withFrames(t);
+  const clock = clockOf(6);
+  clock.play();
+  clock.pause();
+  clock.play();
+  frame(250);
+  assert.equal(clock.time, 0.25);
+});
+
+test("a paused clock stands still", (t) => {
+  const frame = withFrames(t);
+  const clock = clockOf(6);
+  clock.play();
+  frame(250);
+  clock.pause();
+  frame(500);
+  assert.equal(clock.time, 0.25);
 });

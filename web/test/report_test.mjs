@@ -8,9 +8,9 @@ import { statSync } from "node:fs";
 import { join } from "node:path";
 import { pathToFileURL } from "node:url";
 
-import { chromium } from "playwright-core";
+import { launch, open, ready, seek } from "./browser.mjs";
 
-const [pliant, folder, executablePath = "/usr/bin/chromium"] = process.argv.slice(2);
+const [pliant, folder, executablePath] = process.argv.slice(2);
 const out = join(folder, "null-space-compliance");
 execFileSync(
   pliant,
@@ -23,37 +23,16 @@ execFileSync(
 const file = join(out, "report.html");
 assert.ok(statSync(file).size < 5e6, `${statSync(file).size} bytes`);
 
-const browser = await chromium.launch({
-  executablePath,
-  args: [
-    "--no-sandbox",
-    "--use-gl=angle",
-    "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader",
-  ],
-});
-const context = await browser.newContext({ viewport: { width: 1280, height: 900 } });
-context.setDefaultTimeout(120000);
-const page = await context.newPage();
-const requests = [];
-const faults = [];
-await context.route("**/*", (route) => {
-  requests.push(route.request().url());
-  return route.continue();
-});
-page.on("pageerror", (error) => faults.push(error.message));
-page.on("console", (message) => message.type() === "error" && faults.push(message.text()));
 const address = pathToFileURL(file).href;
-await page.goto(address);
-await page.evaluate(() => window.pliant.ready);
+const browser = await launch(executablePath);
+const { page, requests, faults } = await open(browser, address, {
+  viewport: { width: 1280, height: 900 },
+});
+await ready(page);
 
-const canvas = page.locator("#replay canvas[role=img]");
 async function view(time) {
-  await page.evaluate(async (t) => {
-    window.pliant.seek(t);
-    for (let i = 0; i < 2; ++i) await new Promise((done) => requestAnimationFrame(done));
-  }, time);
-  return canvas.screenshot();
+  await seek(page, time);
+  return page.locator("#replay canvas[role=img]").screenshot();
 }
 
 assert.match(await page.locator(".tally").innerText(), /^5 of 5 claims hold$/);
