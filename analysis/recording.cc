@@ -7,10 +7,11 @@
 #include <new>
 #include <nlohmann/json.hpp>
 #include <numeric>
+#include <optional>
 #include <utility>
 
+#include "pliant/analysis/mcap_format.h"
 #include "pliant/analysis/mcap_reader.h"
-#include "pliant/analysis/mcap_records.h"
 #include "pliant/systems/error.h"
 #include "pliant/systems/nearest_name.h"
 
@@ -48,22 +49,22 @@ std::vector<std::string> Words(const McapChannel& channel, const std::string& ke
   return list.get<std::vector<std::string>>();
 }
 
-/// What is recorded in a channel; false if it is nothing of ours.
-bool IsRecorded(const McapChannel& channel, RecordedValue* value) {
+/// What is recorded in a channel; empty if it is nothing of ours.
+std::optional<RecordedValue> RecordedIn(const McapChannel& channel) {
   const auto path = channel.metadata.find("pliant.path");
-  if (path == channel.metadata.end()) return false;
+  if (path == channel.metadata.end()) return std::nullopt;
   const auto type = channel.metadata.find("pliant.type");
-  value->path = path->second;
-  value->type = type == channel.metadata.end() ? "" : type->second;
-  value->elements = Words(channel, "pliant.elements");
-  value->units = Words(channel, "pliant.units");
-  if (value->elements.size() != value->units.size())
+  RecordedValue value{.path = path->second,
+                      .type = type == channel.metadata.end() ? "" : type->second,
+                      .elements = Words(channel, "pliant.elements"),
+                      .units = Words(channel, "pliant.units")};
+  if (value.elements.size() != value.units.size())
     throw Error(Printable(channel.topic) + ": there must be a unit for each element, got " +
-                Text(value->units.size()) + " for " + Text(value->elements.size()));
+                Text(value.units.size()) + " for " + Text(value.elements.size()));
   if (channel.message_encoding != "cdr")
     throw Error(Printable(channel.topic) + ": the messages must be cdr, got " +
                 Printable(channel.message_encoding));
-  return true;
+  return value;
 }
 
 std::string Described(const RecordedValue& value) {
@@ -143,15 +144,15 @@ Recording ReadLog(const std::filesystem::path& file) {
   std::vector<Rows> signals;
   std::map<std::uint16_t, std::size_t> of_channel;
   for (const McapChannel& channel : log.channels()) {
-    RecordedValue value;
-    if (!IsRecorded(channel, &value)) continue;
-    const auto is_it = [&](const Rows& rows) { return rows.value.path == value.path; };
+    std::optional<RecordedValue> value = RecordedIn(channel);
+    if (!value) continue;
+    const auto is_it = [&](const Rows& rows) { return rows.value.path == value->path; };
     const auto known = std::ranges::find_if(signals, is_it);
-    if (known != signals.end() && known->value != value)
-      throw Error(Printable(value.path) + " changes within the log\n  from  " +
-                  Described(known->value) + "\n  to    " + Described(value));
+    if (known != signals.end() && known->value != *value)
+      throw Error(Printable(value->path) + " changes within the log\n  from  " +
+                  Described(known->value) + "\n  to    " + Described(*value));
     of_channel[channel.id] = static_cast<std::size_t>(known - signals.begin());
-    if (known == signals.end()) signals.push_back({std::move(value), {}, {}});
+    if (known == signals.end()) signals.push_back({*std::move(value), {}, {}});
   }
   if (signals.empty()) throw NotOurs(file, log);
 
