@@ -1,7 +1,6 @@
 #include "pliant/analysis/recording.h"
 
 #include <algorithm>
-#include <array>
 #include <cstring>
 #include <map>
 #include <new>
@@ -10,6 +9,8 @@
 #include <optional>
 #include <utility>
 
+#include "pliant/analysis/cdr.h"
+#include "pliant/analysis/mcap_bytes.h"
 #include "pliant/analysis/mcap_format.h"
 #include "pliant/analysis/mcap_reader.h"
 #include "pliant/systems/error.h"
@@ -17,12 +18,15 @@
 
 namespace pliant {
 
+using internal::Cdr;
 using internal::Printable;
 
 namespace {
 
-/// Little-endian CDR, with no options.
-constexpr std::array kCdrHead{std::byte{0}, std::byte{1}, std::byte{0}, std::byte{0}};
+/// The message is in the encoding in which we write.
+bool IsCdr(const McapMessage& message) {
+  return internal::TextOf(message.data).starts_with(Cdr::kHead);
+}
 
 /// "[elbow]" and "elbow" are "elbow"; ".force[x]" and "force[x]" are "force.x".
 std::string Plain(std::string_view element) {
@@ -82,14 +86,13 @@ struct Rows {
 
   void Add(const McapMessage& message) {
     const std::size_t count = value.elements.size();
-    if (message.data.size() != kCdrHead.size() + count * sizeof(double) ||
-        !std::ranges::equal(message.data.first(kCdrHead.size()), kCdrHead))
+    if (message.data.size() != Cdr::kHead.size() + count * sizeof(double) || !IsCdr(message))
       throw Error(Printable(message.channel.topic) + ": the message at " +
                   Text(1e-9 * static_cast<double>(message.log_time)) + " s must be " + Text(count) +
                   " numbers in little-endian CDR, got " + Text(message.data.size()) + " bytes");
     times.push_back(message.log_time);
     numbers.resize(numbers.size() + count);
-    std::memcpy(numbers.data() + numbers.size() - count, message.data.data() + kCdrHead.size(),
+    std::memcpy(numbers.data() + numbers.size() - count, message.data.data() + Cdr::kHead.size(),
                 count * sizeof(double));
   }
 
@@ -115,9 +118,9 @@ struct Rows {
 std::string StringOf(const McapMessage& message) {
   std::span data = message.data;
   std::uint32_t size = 0;
-  const std::size_t head = kCdrHead.size() + sizeof size;
-  if (data.size() < head || !std::ranges::equal(data.first(kCdrHead.size()), kCdrHead)) return {};
-  std::memcpy(&size, data.data() + kCdrHead.size(), sizeof size);
+  const std::size_t head = Cdr::kHead.size() + sizeof size;
+  if (data.size() < head || !IsCdr(message)) return {};
+  std::memcpy(&size, data.data() + Cdr::kHead.size(), sizeof size);
   data = data.subspan(head);
   if (size == 0 || size > data.size()) return {};
   return {reinterpret_cast<const char*>(data.data()), size - 1};  // without its 0
