@@ -83,7 +83,8 @@ void WriteWords(hid_t where, const std::string& name, const std::vector<std::str
                          H5Aclose);
   std::vector<const char*> pointers;
   for (const std::string& word : words) pointers.push_back(word.c_str());
-  Checked(H5Awrite(attribute, type, pointers.data()));
+  // Of no words the library wants none.
+  if (!words.empty()) Checked(H5Awrite(attribute, type, pointers.data()));
 }
 
 void WriteWord(hid_t where, const std::string& name, const std::string& word) {

@@ -64,8 +64,10 @@ void LogFile::Write(std::string_view bytes) {
     } else if (errno != EINTR) {
       const int reason = errno;
       // The part that did fit would be half a record; a pipe cannot take it back.
-      if (ftruncate(descriptor_, size_) == 0) lseek(descriptor_, size_, SEEK_SET);
-      Throw(reason);
+      const std::size_t part = bytes.size() - rest.size();
+      if (part == 0) Throw(reason);
+      if (ftruncate(descriptor_, size_) == 0) Throw(reason);
+      Throw(reason, "; half a record stays at its end, from byte " + Text(size_) + " on");
     }
   }
   size_ += static_cast<std::int64_t>(bytes.size());
@@ -76,8 +78,8 @@ void LogFile::Close() {
   if (descriptor_ >= 0 && close(std::exchange(descriptor_, -1)) != 0) Throw(errno);
 }
 
-void LogFile::Throw(int reason) const {
-  throw Error("cannot write " + path_.string() + ": " + std::strerror(reason));
+void LogFile::Throw(int reason, const std::string& besides) const {
+  throw Error("cannot write " + path_.string() + ": " + std::strerror(reason) + besides);
 }
 
 }  // namespace pliant::internal

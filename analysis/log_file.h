@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
 #include <string_view>
 
 namespace pliant::internal {
@@ -23,7 +24,7 @@ class LogFile {
   /// The first bytes are written: from now on the file stays.
   void Begun();
 
-  /// All of it or, of a regular file, nothing.
+  /// All of it or, of a regular file, nothing; if a part of it stays, the error says so.
   void Write(std::string_view bytes);
   void Close();
 
@@ -31,7 +32,7 @@ class LogFile {
   std::int64_t size() const { return size_; }  ///< bytes written
 
  private:
-  [[noreturn]] void Throw(int reason) const;
+  [[noreturn]] void Throw(int reason, const std::string& besides = "") const;
 
   const std::filesystem::path path_;
   std::filesystem::path begins_as_;  // until it has begun

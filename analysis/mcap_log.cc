@@ -6,6 +6,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -31,17 +32,21 @@ constexpr auto kOldestChunk = 500ms;          // wall time: a killed process los
 constexpr auto kBetweenLooks = 5ms;           // of the thread that writes, into an empty ring
 constexpr auto kBetweenTries = 100us;         // of a simulation, to find room in a full ring
 
-/// A thread in which no signal is handled: those of the process are for the others, and a file
-/// that may not grow is an error here and not the end of the run.
-template <class Run>
-std::jthread ThreadWithoutSignals(Run run) {
-  sigset_t all, before;
-  sigfillset(&all);
-  pthread_sigmask(SIG_SETMASK, &all, &before);
-  std::jthread thread(std::move(run));
-  pthread_sigmask(SIG_SETMASK, &before, nullptr);
-  return thread;
-}
+/// While it lives, its thread handles no signals, and those that it begins never will.
+class WithoutSignals {
+ public:
+  WithoutSignals() {
+    sigset_t all;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before_);
+  }
+  ~WithoutSignals() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+  WithoutSignals(const WithoutSignals&) = delete;
+  WithoutSignals& operator=(const WithoutSignals&) = delete;
+
+ private:
+  sigset_t before_;
+};
 
 }  // namespace
 
@@ -51,16 +56,30 @@ struct McapLog::Writer {
         ring_cells{o.ring_bytes / sizeof(double)},
         ring{ring_cells},
         file{o.file, o.force},
-        mcap{file, "ros2", "pliant " PLIANT_VERSION},
+        mcap{[this](std::string_view bytes) { file.Write(bytes); }, "ros2",
+             "pliant " PLIANT_VERSION},
         messages{{.robot = o.robot,
                   .robot_description = o.robot_description,
                   .position = o.position,
                   .velocity = o.velocity,
                   .torque = o.torque}} {
     for (const auto& [name, words] : o.metadata) mcap.AddMetadata(name, words);
-    file.Begun();
+    mcap.Flush();
     bytes = file.size();
-    thread = ThreadWithoutSignals([this](const std::stop_token& stop) { Run(stop); });
+    BeginThread();
+    file.Begun();
+  }
+
+  /// Signals of the process are for the other threads, and a file that may not grow is an error
+  /// here and not the end of the run.
+  void BeginThread() {
+    const WithoutSignals in_thread;
+    try {
+      thread = std::jthread([this](const std::stop_token& stop) { Run(stop); });
+    } catch (const std::system_error& e) {
+      throw Error("cannot write " + file.path().string() +
+                  ": the thread that writes cannot begin: " + e.what());
+    }
   }
 
   // Of the thread that records.
@@ -179,7 +198,7 @@ McapLog::McapLog(Options o) : writer_{std::make_unique<Writer>(o)} {}
 McapLog::~McapLog() {
   try {
     Close();
-  } catch (const Error&) {
+  } catch (const std::exception&) {
     // Who wants to know calls Close.
   }
 }

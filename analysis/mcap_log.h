@@ -17,6 +17,10 @@ namespace pliant {
 /// a ROS 2 topic for each value, "/arm/velocity" for arm.velocity, with a named field for each of
 /// its numbers.
 ///
+/// One thread records, or several one after the other: two diagrams that run at the same time need
+/// a log each, and two contexts of one diagram, which share its log, may not run at the same time.
+/// Open, AddMetadata and Close too are for that thread.
+///
 /// Rows go through a ring to a thread that compresses and writes them, so that a tick neither
 /// allocates nor waits for the disk. That thread closes a chunk every half second of wall time: of
 /// a killed process a second is lost at most, and what it has written can be read. But for where

@@ -8,6 +8,7 @@
 
 #include "pliant/analysis/mcap_channels.h"
 #include "pliant/analysis/mcap_records.h"
+#include "pliant/analysis/mcap_unpacker.h"
 
 namespace pliant {
 
@@ -45,12 +46,15 @@ std::optional<Footer> ReadFooter(McapWindow& window, std::uint64_t begin) {
 /// on_record(Op, ByteReader) for each schema, channel, message and metadata.
 class DataWalk {
  public:
-  explicit DataWalk(const McapFile& file) : window_{file} {}
+  /// With `sum` it sums all bytes of the file that it walks over and those before them.
+  explicit DataWalk(const McapFile& file, bool sum = false) : window_{file}, sum_{sum} {}
 
   template <class WantChunk, class OnRecord>
   void Run(std::uint64_t begin, std::uint64_t end, WantChunk&& want_chunk, OnRecord&& on_record) {
+    if (sum_) crc_ = window_.file().Crc(0, begin);
     for (at_ = begin;;) {
       const RecordHead head = ReadHead(window_, at_, end);
+      if (sum_ && head.op != Op::DataEnd) Sum(head);
       switch (head.op) {
         case Op::DataEnd:
           data_crc_ = ReadContent(window_, head).Take<std::uint32_t>("the CRC of the data");
@@ -79,10 +83,17 @@ class DataWalk {
 
   /// Of the record that is being read, or was when something was wrong; in the end of the data end.
   std::uint64_t at() const { return at_; }
-  std::uint32_t data_crc() const { return data_crc_; }
+  std::uint32_t data_crc() const { return data_crc_; }  ///< as the data end says
+  std::uint32_t crc() const { return crc_; }            ///< as it is
   McapWindow& window() { return window_; }
 
  private:
+  /// Leaves the record in the window for those who read it.
+  void Sum(const RecordHead& head) {
+    crc_ = head.length > kLargestRecord ? window_.file().Crc(head.at, head.end(), crc_)
+                                        : Crc32(window_.At(head.at, head.end() - head.at), crc_);
+  }
+
   template <class OnRecord>
   void ReadChunk(const ChunkHead& chunk, OnRecord&& on_record) {
     const std::string place = chunk.Place(window_.file());
@@ -99,8 +110,9 @@ class DataWalk {
 
   McapWindow window_;
   Unpacker unpacker_;
+  const bool sum_;
   std::uint64_t at_ = 0;
-  std::uint32_t data_crc_ = 0;
+  std::uint32_t data_crc_ = 0, crc_ = 0;
 };
 
 }  // namespace
@@ -249,7 +261,7 @@ void McapReader::ForEach(const Filter& filter,
 
   std::uint64_t messages = 0;
   bool acting = false;
-  DataWalk walk(*file_);
+  DataWalk walk(*file_, all);
   const auto want_chunk = [&](const ChunkHead& chunk) {
     return all || (chunk.from <= filter.to && chunk.to >= filter.from);
   };
@@ -275,7 +287,7 @@ void McapReader::ForEach(const Filter& filter,
     if (messages != messages_)
       throw Error(file_->At(walk.at()) + "there are " + Text(messages) +
                   " messages before it, but the index says " + Text(messages_));
-    if (walk.data_crc() != 0 && file_->Crc(0, walk.at()) != walk.data_crc())
+    if (walk.data_crc() != 0 && walk.crc() != walk.data_crc())
       throw Error(file_->At(walk.at()) + "the data before it are damaged: wrong CRC");
   } catch (const Error& error) {
     if (acting) throw;

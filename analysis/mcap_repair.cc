@@ -1,7 +1,5 @@
 #include "pliant/analysis/mcap_repair.h"
 
-#include <zstd.h>
-
 #include <algorithm>
 #include <map>
 #include <optional>
@@ -9,16 +7,17 @@
 #include <system_error>
 #include <utility>
 
-#include "pliant/analysis/mcap_copy.h"
+#include "pliant/analysis/mcap_put.h"
 #include "pliant/analysis/mcap_survey.h"
+#include "pliant/analysis/mcap_unpacker.h"
+#include "pliant/analysis/mcap_writer.h"
+#include "pliant/analysis/write_file.h"
 
 namespace pliant {
 
 using namespace internal;
 
 namespace {
-
-Bytes BytesOf(std::string_view text) { return std::as_bytes(std::span(text)); }
 
 std::string Seconds(std::uint64_t ns) { return Text(1e-9 * static_cast<double>(ns)) + " s"; }
 
@@ -43,16 +42,22 @@ class Channels {
         content[2] = content[3] = '\0';
   }
 
-  void AddTo(McapCopy& copy) const {
-    for (const auto& [id, content] : schemas_) copy.Add(Op::Schema, BytesOf(content));
-    for (const auto& [id, content] : written_) copy.Add(Op::Channel, BytesOf(content));
+  void AddTo(McapWriter& whole) const {
+    for (const auto& [id, content] : schemas_) whole.AddRecord(Op::Schema, BytesOf(content));
+    for (const auto& [id, content] : written_) whole.AddRecord(Op::Channel, BytesOf(content));
   }
 
   bool Have(std::uint16_t id) const { return written_.contains(id); }
 
-  /// The records of a chunk that agree with it; empty if all do.
-  std::optional<std::string> Agreeing(Bytes records, std::uint64_t* messages_lost) const {
-    std::string kept;
+  /// Some of the records of a chunk.
+  struct Part {
+    std::string records;
+    std::uint64_t messages_lost = 0;
+  };
+
+  /// Those that agree with it; empty if all do.
+  std::optional<Part> Agreeing(Bytes records) const {
+    Part part;
     std::set<std::uint16_t> strange;  // channels that are something else elsewhere
     bool all = true;
     ForEachRecord(ByteReader(records, "", 0), "", [&](Op op, ByteReader content) {
@@ -66,16 +71,12 @@ class Channels {
       if (op == Op::Message) {
         const std::uint16_t id = MessageRecord(content).channel;
         keep = Have(id) && !strange.contains(id);
-        if (!keep) ++*messages_lost;
+        if (!keep) ++part.messages_lost;
       }
       all = all && keep;
-      if (!keep) return;
-      const std::uint64_t length = content.left();
-      kept += static_cast<char>(op);
-      kept.append(reinterpret_cast<const char*>(&length), sizeof length);
-      kept.append(reinterpret_cast<const char*>(content.Rest().data()), length);
+      if (keep) PutRecord(part.records, op, TextOf(content.Rest()));
     });
-    return all ? std::nullopt : std::optional(kept);
+    return all ? std::nullopt : std::optional(std::move(part));
   }
 
  private:
@@ -83,26 +84,6 @@ class Channels {
   const Records& found_;
   Records written_;
 };
-
-std::string Packed(std::string_view records) {
-  std::string packed(ZSTD_compressBound(records.size()), '\0');
-  const std::size_t size =
-      ZSTD_compress(packed.data(), packed.size(), records.data(), records.size(), 1);
-  if (ZSTD_isError(size)) throw Error(std::string("zstd: ") + ZSTD_getErrorName(size));
-  packed.resize(size);
-  return packed;
-}
-
-void AddMetadata(McapCopy& copy, std::string_view name,
-                 const std::map<std::string, std::string>& words) {
-  const auto text = [](std::string_view word) {
-    const auto size = static_cast<std::uint32_t>(word.size());
-    return std::string(reinterpret_cast<const char*>(&size), sizeof size) + std::string(word);
-  };
-  std::string map;
-  for (const auto& [key, word] : words) map += text(key) + text(word);
-  copy.Add(Op::Metadata, BytesOf(text(name) + text(map)));
-}
 
 }  // namespace
 
@@ -130,8 +111,9 @@ LogRepair RepairLog(const std::filesystem::path& from, const std::filesystem::pa
   McapSurvey survey(file);
   const Channels channels(survey);
   PartFile part(to);
-  McapCopy copy(part, survey.profile, survey.library);
-  channels.AddTo(copy);
+  const auto sink = [&](std::string_view bytes) { part.Write(bytes); };
+  McapWriter whole(sink, survey.profile, survey.library);
+  channels.AddTo(whole);
   LogRepair& repair = survey.losses;
   McapWindow window(file);
   Unpacker unpacker;
@@ -139,12 +121,13 @@ LogRepair RepairLog(const std::filesystem::path& from, const std::filesystem::pa
     if (head.op == Op::Chunk) {
       const ChunkHead chunk = ReadChunkHead(window, head);
       const Bytes records = unpacker.Unpack(window, chunk);
-      if (const auto some = channels.Agreeing(records, &repair.messages_lost)) {
-        copy.AddChunk("zstd", Crc32(BytesOf(*some)), BytesOf(Packed(*some)), BytesOf(*some));
+      if (const auto some = channels.Agreeing(records)) {
+        repair.messages_lost += some->messages_lost;
+        whole.AddChunk(BytesOf(some->records));
       } else {
         const Bytes packed = window.At(chunk.records, chunk.records_size);
-        copy.AddChunk(chunk.compression, chunk.crc, packed,
-                      chunk.compression.empty() ? packed : records);
+        whole.AddPackedChunk(chunk.compression, chunk.crc, packed,
+                             chunk.compression.empty() ? packed : records);
       }
     } else {
       ByteReader content = ReadContent(window, head);
@@ -152,19 +135,18 @@ LogRepair RepairLog(const std::filesystem::path& from, const std::filesystem::pa
         ++repair.messages_lost;
         continue;
       }
-      copy.Add(head.op, content.Rest());
+      whole.AddRecord(head.op, content.Rest());
     }
   }
-  repair.messages = copy.messages();
-  repair.chunks = copy.chunks();
+  repair.messages = whole.messages();
+  repair.chunks = whole.chunks();
   if (!repair.whole())
-    AddMetadata(copy, "repair",
-                {{"messages kept", Text(repair.messages)},
-                 {"messages lost in chunks kept", Text(repair.messages_lost)},
-                 {"chunks kept", Text(repair.chunks)},
-                 {"chunks lost", Text(repair.chunks_lost)},
-                 {"bytes lost", Text(repair.bytes_lost)}});
-  copy.Finish();
+    whole.AddMetadata("repair", {{"messages kept", Text(repair.messages)},
+                                 {"messages lost in chunks kept", Text(repair.messages_lost)},
+                                 {"chunks kept", Text(repair.chunks)},
+                                 {"chunks lost", Text(repair.chunks_lost)},
+                                 {"bytes lost", Text(repair.bytes_lost)}});
+  whole.Finish();
   part.MoveIntoPlace();
   return std::move(repair);
 }

@@ -7,6 +7,8 @@
 #include <string_view>
 #include <utility>
 
+#include "pliant/analysis/mcap_unpacker.h"
+
 namespace pliant::internal {
 
 namespace {
@@ -15,7 +17,7 @@ using Records = std::map<std::uint16_t, std::string>;
 
 /// The first of the records of a number counts.
 void Keep(Records& records, std::uint16_t id, Bytes content) {
-  records.try_emplace(id, reinterpret_cast<const char*>(content.data()), content.size());
+  records.try_emplace(id, TextOf(content));
 }
 
 class Surveyor {
@@ -41,7 +43,7 @@ class Surveyor {
   // byte of the file, until the search is given up.
   static constexpr std::uint64_t kWorkPerByte = 16;
   static constexpr std::uint64_t kEmptyChunk = 40;  // without compression and records
-  static constexpr std::uint64_t kBlock = 64 << 10;
+  static constexpr std::uint64_t kPage = 4 << 10;   // what a bad sector takes along
 
   /// Reads the record at `at`; returns where the next one begins.
   std::uint64_t Step(std::uint64_t at) {
@@ -211,7 +213,7 @@ class Surveyor {
     }
   }
 
-  /// Throws nothing, as there may be a gigabyte of what looks like nothing.
+  /// Throws only if it cannot be read: there may be a gigabyte of what looks like nothing.
   bool MayBeChunk(std::uint64_t at) {
     const std::uint64_t left = file_.size() - at - kRecordHead;
     ByteReader in(window_.At(at, kRecordHead + kEmptyChunk), file_.place(), at);
@@ -226,8 +228,8 @@ class Surveyor {
   }
 
   bool IsChunk(std::uint64_t at) {
-    if (!MayBeChunk(at)) return false;
     try {
+      if (!MayBeChunk(at)) return false;
       const RecordHead head = ReadHead(window_, at, file_.size());
       const ChunkHead chunk = ReadChunkHead(window_, head);
       const std::uint64_t work = chunk.records_size + chunk.size;
@@ -240,19 +242,29 @@ class Surveyor {
     }
   }
 
+  static std::uint64_t ToNextPage(std::uint64_t at) { return kPage - at % kPage; }
+
+  /// The bytes from `begin` to the end of its page; empty if they cannot be read.
+  Bytes PageAt(McapWindow& pages, std::uint64_t begin) const {
+    try {
+      return pages.At(begin, std::min(ToNextPage(begin), file_.size() - begin));
+    } catch (const Error&) {
+      return {};
+    }
+  }
+
   /// Where the next chunk with a right CRC begins; the end of the file if there is none.
   std::uint64_t FindChunk(std::uint64_t from) {
     constexpr std::byte kChunk{static_cast<std::uint8_t>(Op::Chunk)};
     constexpr std::uint64_t kLeast = kRecordHead + kEmptyChunk;
-    McapWindow blocks(file_);
-    for (std::uint64_t begin = from; begin + kLeast <= file_.size();) {
-      const Bytes block = blocks.At(begin, std::min(kBlock, file_.size() - begin));
-      for (auto i = std::ranges::find(block, kChunk); i != block.end();
-           i = std::find(i + 1, block.end(), kChunk)) {
-        const std::uint64_t at = begin + static_cast<std::uint64_t>(i - block.begin());
+    McapWindow pages(file_);
+    for (std::uint64_t begin = from; begin + kLeast <= file_.size(); begin += ToNextPage(begin)) {
+      const Bytes page = PageAt(pages, begin);
+      for (auto i = std::ranges::find(page, kChunk); i != page.end();
+           i = std::find(i + 1, page.end(), kChunk)) {
+        const std::uint64_t at = begin + static_cast<std::uint64_t>(i - page.begin());
         if (at + kLeast <= file_.size() && IsChunk(at)) return at;
       }
-      begin += block.size();
     }
     return file_.size();
   }

@@ -1,84 +1,32 @@
 #include "pliant/analysis/mcap_writer.h"
 
-#include <zlib.h>
 #include <zstd.h>
 
 #include <algorithm>
-#include <bit>
-#include <cstring>
-#include <numeric>
+#include <utility>
 
+#include "pliant/analysis/mcap_put.h"
 #include "pliant/systems/error.h"
 
 namespace pliant::internal {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "MCAP and our CDR are little-endian");
-
-constexpr std::string_view kMagic = "\x89MCAP0\r\n";
 constexpr std::string_view kCompression = "zstd";
 constexpr int kLevel = 1;  // noise of sensors compresses hardly better at higher ones
 constexpr std::size_t kMessageHead = 2 + 4 + 8 + 8;
+constexpr std::size_t kBlock = 1 << 20;
 
-enum class Op : std::uint8_t {
-  Header = 1,
-  Footer = 2,
-  Schema = 3,
-  Channel = 4,
-  Message = 5,
-  Chunk = 6,
-  MessageIndex = 7,
-  ChunkIndex = 8,
-  Statistics = 11,
-  Metadata = 12,
-  MetadataIndex = 13,
-  SummaryOffset = 14,
-  DataEnd = 15,
-};
+using Records = std::map<std::uint16_t, std::string>;
 
-template <std::integral T>
-void Put(std::string& out, T x) {
-  out.append(reinterpret_cast<const char*>(&x), sizeof x);
+std::uint16_t Next(const Records& records) {
+  return static_cast<std::uint16_t>(records.empty() ? 1 : records.rbegin()->first + 1);
 }
 
-void Put(std::string& out, std::string_view text) {
-  Put(out, static_cast<std::uint32_t>(text.size()));
-  out += text;
+std::string Joined(const Records& records) {
+  std::string all;
+  for (const auto& [id, record] : records) all += record;
+  return all;
 }
-
-/// What `put` appends, with its length of type Length in front.
-template <class Length, class Fill>
-void PutSized(std::string& out, const Fill& put) {
-  const std::size_t at = out.size();
-  Put(out, Length{0});
-  put();
-  const Length length = static_cast<Length>(out.size() - at - sizeof(Length));
-  std::memcpy(out.data() + at, &length, sizeof length);
-}
-
-/// A record with what `put` appends.
-template <class Fill>
-void PutRecord(std::string& out, Op op, const Fill& put) {
-  Put(out, static_cast<std::uint8_t>(op));
-  PutSized<std::uint64_t>(out, put);
-}
-
-void Put(std::string& out, const McapWriter::Words& words) {
-  PutSized<std::uint32_t>(out, [&] {
-    for (const auto& [key, value] : words) {
-      Put(out, std::string_view(key));
-      Put(out, std::string_view(value));
-    }
-  });
-}
-
-std::uint32_t Crc(std::string_view bytes, std::uint32_t before = 0) {
-  return static_cast<std::uint32_t>(
-      crc32_z(before, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
-}
-
-/// A time that no message has is written as 0.
-std::uint64_t Time(std::int64_t ns, bool any) { return any ? static_cast<std::uint64_t>(ns) : 0; }
 
 }  // namespace
 
@@ -88,88 +36,67 @@ struct McapWriter::Compressor {
 
   ~Compressor() { ZSTD_freeCCtx(context); }
 
-  std::string_view operator()(std::string_view bytes) {
+  Bytes operator()(Bytes bytes) {
     out.resize(ZSTD_compressBound(bytes.size()));
     const std::size_t size =
         ZSTD_compressCCtx(context, out.data(), out.size(), bytes.data(), bytes.size(), kLevel);
     if (ZSTD_isError(size)) throw Error(std::string("zstd: ") + ZSTD_getErrorName(size));
-    return {out.data(), size};
+    return BytesOf(out).first(size);
   }
 };
 
-void McapWriter::Span::Add(std::int64_t ns) {
-  first_ns = std::min(first_ns, ns);
-  last_ns = std::max(last_ns, ns);
-}
-
-McapWriter::McapWriter(LogFile& file, std::string_view profile, std::string_view library)
-    : file_{file}, compressor_{std::make_unique<Compressor>()} {
-  out_ = kMagic;
-  PutRecord(out_, Op::Header, [&] {
-    Put(out_, profile);
-    Put(out_, library);
-  });
-  Write(out_);
+McapWriter::McapWriter(Sink sink, std::string_view profile, std::string_view library)
+    : sink_{std::move(sink)}, out_{kMcapMagic}, compressor_{std::make_unique<Compressor>()} {
+  std::string header;
+  Put(header, profile);
+  Put(header, library);
+  PutRecord(out_, Op::Header, header);
 }
 
 McapWriter::~McapWriter() = default;
 
-void McapWriter::Write(std::string_view bytes) {
-  file_.Write(bytes);
-  data_crc_ = Crc(bytes, data_crc_);
+void McapWriter::Flush() {
+  sink_(out_);
+  crc_ = Crc32(BytesOf(out_), crc_);
+  written_ += out_.size();
+  out_.clear();
 }
 
 void McapWriter::AddMetadata(std::string_view name, const Words& words) {
-  out_.clear();
-  PutRecord(out_, Op::Metadata, [&] {
-    Put(out_, name);
-    Put(out_, words);
-  });
-  metadata_.push_back({file_.size(), static_cast<std::int64_t>(out_.size()), std::string(name)});
-  Write(out_);
+  std::string metadata;
+  Put(metadata, name);
+  Put(metadata, words);
+  AddRecord(Op::Metadata, BytesOf(metadata));
 }
 
 std::uint16_t McapWriter::AddSchema(std::string_view name, std::string_view encoding,
                                     std::string_view text) {
-  out_.clear();
-  const auto id = static_cast<std::uint16_t>(++schema_count_);
-  PutRecord(out_, Op::Schema, [&] {
-    Put(out_, id);
-    Put(out_, name);
-    Put(out_, encoding);
-    Put(out_, text);
-  });
-  schemas_ += out_;
-  Write(out_);
+  const std::uint16_t id = Next(schemas_);
+  std::string schema;
+  Put(schema, id);
+  Put(schema, name);
+  Put(schema, encoding);
+  Put(schema, text);
+  AddRecord(Op::Schema, BytesOf(schema));
   return id;
 }
 
 std::uint16_t McapWriter::AddChannel(std::uint16_t schema, std::string_view topic,
                                      std::string_view encoding, const Words& metadata) {
-  out_.clear();
-  channels_.emplace_back();
-  const auto id = static_cast<std::uint16_t>(channels_.size());
-  PutRecord(out_, Op::Channel, [&] {
-    Put(out_, id);
-    Put(out_, schema);
-    Put(out_, topic);
-    Put(out_, encoding);
-    Put(out_, metadata);
-  });
-  channel_records_ += out_;
-  Write(out_);
+  const std::uint16_t id = Next(channels_);
+  std::string channel;
+  Put(channel, id);
+  Put(channel, schema);
+  Put(channel, topic);
+  Put(channel, encoding);
+  Put(channel, metadata);
+  AddRecord(Op::Channel, BytesOf(channel));
   return id;
 }
 
 char* McapWriter::AddMessage(std::uint16_t channel, std::int64_t time_ns, std::size_t size) {
-  // A chunk names its channels under its own CRC: it can be read when all before it is lost.
-  if (chunk_.empty()) chunk_ = schemas_ + channel_records_;
-  Channel& of = channels_[channel - 1u];
-  of.in_chunk.emplace_back(time_ns, static_cast<std::int64_t>(chunk_.size()));
-  ++of.messages;
-  chunk_time_.Add(time_ns);
-  Put(chunk_, static_cast<std::uint8_t>(Op::Message));
-  Put(chunk_, static_cast<std::uint64_t>(kMessageHead + size));
+  if (chunk_.empty()) chunk_ = Joined(schemas_) + Joined(channels_);
+  PutHead(chunk_, Op::Message, kMessageHead + size);
   Put(chunk_, channel);
   Put(chunk_, std::uint32_t{0});  // messages are not counted
   Put(chunk_, time_ns);           // logged
@@ -180,138 +107,158 @@ char* McapWriter::AddMessage(std::uint16_t channel, std::int64_t time_ns, std::s
 
 void McapWriter::WriteChunk() {
   if (chunk_.empty()) return;
-  const std::string_view compressed = (*compressor_)(chunk_);
-  ChunkIndex index{.time = chunk_time_,
-                   .begin = file_.size(),
-                   .bytes = 0,
-                   .index_bytes = 0,
-                   .message_index = {},
-                   .compressed = compressed.size(),
-                   .uncompressed = chunk_.size()};
-  out_.clear();
-  PutRecord(out_, Op::Chunk, [&] {
-    Put(out_, chunk_time_.first_ns);
-    Put(out_, chunk_time_.last_ns);
-    Put(out_, static_cast<std::uint64_t>(chunk_.size()));
-    Put(out_, Crc(chunk_));
-    Put(out_, kCompression);
-    Put(out_, static_cast<std::uint64_t>(compressed.size()));
-    out_ += compressed;
-  });
-  index.bytes = static_cast<std::int64_t>(out_.size());
-  for (std::size_t i = 0; i < channels_.size(); ++i) {
-    auto& messages = channels_[i].in_chunk;
-    if (messages.empty()) continue;
-    const auto id = static_cast<std::uint16_t>(i + 1);
-    index.message_index.emplace(id, index.begin + static_cast<std::int64_t>(out_.size()));
-    PutRecord(out_, Op::MessageIndex, [&] {
-      Put(out_, id);
-      PutSized<std::uint32_t>(out_, [&] {
-        for (const auto& [time, at] : messages) {
-          Put(out_, time);
-          Put(out_, at);
-        }
-      });
-    });
-    messages.clear();
-  }
-  index.index_bytes = static_cast<std::int64_t>(out_.size()) - index.bytes;
-  time_.Add(chunk_time_.first_ns);
-  time_.Add(chunk_time_.last_ns);
-  chunk_time_ = kNoTime;
+  AddChunk(BytesOf(chunk_));
   chunk_.clear();
-  Write(out_);
-  chunks_.push_back(std::move(index));
+}
+
+void McapWriter::AddChunk(Bytes records) {
+  AddPackedChunk(kCompression, Crc32(records), (*compressor_)(records), records);
+}
+
+void McapWriter::Count(const MessageRecord& message) {
+  from_ = messages_ == 0 ? message.log_time : std::min(from_, message.log_time);
+  to_ = std::max(to_, message.log_time);
+  ++messages_;
+  ++messages_of_[message.channel];
+}
+
+void McapWriter::AddRecord(Op op, Bytes content) {
+  const ByteReader in(content, "", 0);
+  std::string record, index;
+  PutRecord(record, op, TextOf(content));
+  Put(index, at());
+  Put(index, std::uint64_t{record.size()});
+  if (op == Op::Schema) schemas_.emplace(SchemaRecord(in).id, record);
+  if (op == Op::Channel) channels_.emplace(ChannelRecord(in).id, record);
+  if (op == Op::Schema || op == Op::Channel)
+    if (!chunk_.empty()) chunk_ += record;
+  if (op == Op::Message) Count(MessageRecord(in));
+  if (op == Op::Metadata) {
+    Put(index, std::string_view(MetadataRecord(in).name));
+    PutRecord(metadata_indexes_, Op::MetadataIndex, index);
+    ++metadata_;
+  }
+  if (op == Op::Attachment) {
+    const AttachmentRecord attachment(in);
+    Put(index, attachment.log_time);
+    Put(index, attachment.create_time);
+    Put(index, attachment.data_size);
+    Put(index, std::string_view(attachment.name));
+    Put(index, std::string_view(attachment.media_type));
+    PutRecord(attachment_indexes_, Op::AttachmentIndex, index);
+    ++attachments_;
+  }
+  out_ += record;
+  if (out_.size() > kBlock) Flush();
+}
+
+void McapWriter::AddPackedChunk(std::string_view compression, std::uint32_t crc, Bytes packed,
+                                Bytes records) {
+  std::map<std::uint16_t, std::string> index_of;  // by channel: time and place of its messages
+  std::uint64_t from = UINT64_MAX, to = 0;
+  ForEachRecord(ByteReader(records, "", 0), "", [&](Op op, ByteReader content) {
+    if (op != Op::Message) return;
+    const std::uint64_t place = content.at() - kRecordHead;
+    const MessageRecord message(content);
+    Count(message);
+    std::string& index = index_of[message.channel];
+    Put(index, message.log_time);
+    Put(index, place);
+    from = std::min(from, message.log_time);
+    to = std::max(to, message.log_time);
+  });
+  if (from > to) from = to = 0;
+
+  std::string front;
+  Put(front, from);
+  Put(front, to);
+  Put(front, std::uint64_t{records.size()});
+  Put(front, crc);
+  Put(front, compression);
+  Put(front, std::uint64_t{packed.size()});
+  const std::uint64_t begin = at();
+  PutHead(out_, Op::Chunk, front.size() + packed.size());
+  out_ += front;
+  out_ += TextOf(packed);
+
+  const std::uint64_t indexes_begin = at();
+  std::string places;
+  for (const auto& [channel, index] : index_of) {
+    Put(places, channel);
+    Put(places, at());
+    PutHead(out_, Op::MessageIndex, sizeof channel + sizeof(std::uint32_t) + index.size());
+    Put(out_, channel);
+    Put(out_, std::string_view(index));
+  }
+
+  std::string index;
+  Put(index, from);
+  Put(index, to);
+  Put(index, begin);
+  Put(index, indexes_begin - begin);
+  Put(index, std::string_view(places));
+  Put(index, at() - indexes_begin);
+  Put(index, compression);
+  Put(index, std::uint64_t{packed.size()});
+  Put(index, std::uint64_t{records.size()});
+  PutRecord(chunk_indexes_, Op::ChunkIndex, index);
+  ++chunks_;
+  Flush();
+}
+
+std::string McapWriter::Statistics() const {
+  std::string statistics;
+  Put(statistics, messages_);
+  Put(statistics, static_cast<std::uint16_t>(schemas_.size()));
+  Put(statistics, static_cast<std::uint32_t>(channels_.size()));
+  Put(statistics, attachments_);
+  Put(statistics, metadata_);
+  Put(statistics, chunks_);
+  Put(statistics, from_);
+  Put(statistics, to_);
+  PutSized<std::uint32_t>(statistics, [&] {
+    for (const auto& [channel, count] : messages_of_) {
+      Put(statistics, channel);
+      Put(statistics, count);
+    }
+  });
+  std::string record;
+  PutRecord(record, Op::Statistics, statistics);
+  return record;
 }
 
 void McapWriter::Finish() {
   WriteChunk();
-  out_.clear();
-  const std::uint32_t crc = data_crc_;
-  PutRecord(out_, Op::DataEnd, [&] { Put(out_, crc); });
-  Write(out_);
-  out_.clear();
-  PutSummary();
-  Write(out_);
-}
+  Flush();
+  PutHead(out_, Op::DataEnd, sizeof crc_);
+  Put(out_, crc_);
+  Flush();
 
-void McapWriter::PutSummary() {
-  const std::int64_t begin = file_.size();
+  const std::uint64_t summary = at();
   std::string offsets;
-  const auto group = [&](Op op, const auto& put) {
-    const std::size_t at = out_.size();
-    put();
-    if (out_.size() == at) return;
-    PutRecord(offsets, Op::SummaryOffset, [&] {
-      Put(offsets, static_cast<std::uint8_t>(op));
-      Put(offsets, begin + static_cast<std::int64_t>(at));
-      Put(offsets, static_cast<std::uint64_t>(out_.size() - at));
-    });
+  const auto add_group = [&](Op op, const std::string& records) {
+    if (records.empty()) return;
+    PutHead(offsets, Op::SummaryOffset, 1 + 8 + 8);
+    Put(offsets, static_cast<std::uint8_t>(op));
+    Put(offsets, at());
+    Put(offsets, std::uint64_t{records.size()});
+    out_ += records;
   };
-  const bool any = !chunks_.empty();
+  add_group(Op::Schema, Joined(schemas_));
+  add_group(Op::Channel, Joined(channels_));
+  add_group(Op::Statistics, Statistics());
+  add_group(Op::ChunkIndex, chunk_indexes_);
+  add_group(Op::AttachmentIndex, attachment_indexes_);
+  add_group(Op::MetadataIndex, metadata_indexes_);
 
-  group(Op::Schema, [&] { out_ += schemas_; });
-  group(Op::Channel, [&] { out_ += channel_records_; });
-  group(Op::Statistics, [&] {
-    PutRecord(out_, Op::Statistics, [&] {
-      Put(out_, std::accumulate(channels_.begin(), channels_.end(), std::int64_t{0},
-                                [](std::int64_t n, const Channel& c) { return n + c.messages; }));
-      Put(out_, static_cast<std::uint16_t>(schema_count_));
-      Put(out_, static_cast<std::uint32_t>(channels_.size()));
-      Put(out_, std::uint32_t{0});  // attachments
-      Put(out_, static_cast<std::uint32_t>(metadata_.size()));
-      Put(out_, static_cast<std::uint32_t>(chunks_.size()));
-      Put(out_, Time(time_.first_ns, any));
-      Put(out_, Time(time_.last_ns, any));
-      PutSized<std::uint32_t>(out_, [&] {
-        for (std::size_t i = 0; i < channels_.size(); ++i) {
-          Put(out_, static_cast<std::uint16_t>(i + 1));
-          Put(out_, channels_[i].messages);
-        }
-      });
-    });
-  });
-  group(Op::ChunkIndex, [&] {
-    for (const ChunkIndex& chunk : chunks_)
-      PutRecord(out_, Op::ChunkIndex, [&] {
-        Put(out_, chunk.time.first_ns);
-        Put(out_, chunk.time.last_ns);
-        Put(out_, chunk.begin);
-        Put(out_, chunk.bytes);
-        PutSized<std::uint32_t>(out_, [&] {
-          for (const auto& [channel, at] : chunk.message_index) {
-            Put(out_, channel);
-            Put(out_, at);
-          }
-        });
-        Put(out_, chunk.index_bytes);
-        Put(out_, kCompression);
-        Put(out_, static_cast<std::uint64_t>(chunk.compressed));
-        Put(out_, static_cast<std::uint64_t>(chunk.uncompressed));
-      });
-  });
-  group(Op::MetadataIndex, [&] {
-    for (const MetadataIndex& metadata : metadata_)
-      PutRecord(out_, Op::MetadataIndex, [&] {
-        Put(out_, metadata.begin);
-        Put(out_, metadata.bytes);
-        Put(out_, std::string_view(metadata.name));
-      });
-  });
-
-  const std::int64_t offsets_begin = begin + static_cast<std::int64_t>(out_.size());
+  const std::uint64_t offsets_begin = at();
   out_ += offsets;
-  PutRecord(out_, Op::Footer, [&] {
-    Put(out_, begin);
-    Put(out_, offsets_begin);
-    // The footer's length comes before what its sum covers: it is written ahead of its time.
-    std::string covered = out_;
-    const std::uint64_t length = 2 * sizeof(std::int64_t) + sizeof(std::uint32_t);
-    std::memcpy(covered.data() + covered.size() - 2 * sizeof(std::int64_t) - sizeof length, &length,
-                sizeof length);
-    Put(out_, Crc(covered));
-  });
-  out_ += kMagic;
+  PutHead(out_, Op::Footer, kFooterRecord - kRecordHead);
+  Put(out_, summary);
+  Put(out_, offsets_begin);
+  Put(out_, Crc32(BytesOf(out_)));
+  out_ += kMcapMagic;
+  Flush();
 }
 
 }  // namespace pliant::internal

@@ -2,82 +2,79 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
 #include <string_view>
-#include <utility>
-#include <vector>
 
-#include "pliant/analysis/log_file.h"
+#include "pliant/analysis/mcap_records.h"
 
 namespace pliant::internal {
 
-/// Writes an MCAP file: messages in chunks, compressed with zstd, and where to find them. Schemas
-/// and channels stand before their first message, and again in each chunk.
+/// Writes an MCAP file: new messages, in chunks compressed with zstd, or records of another file,
+/// each as it is; and what a file has besides: indexes, statistics, CRCs.
 ///
 /// Source: mcap.dev/spec, version 0.
 class McapWriter {
  public:
   using Words = std::map<std::string, std::string>;
+  using Sink = std::function<void(std::string_view)>;  ///< takes the bytes of the file in order
 
-  /// Writes the file's first bytes. Throws Error, as all functions here do, if the file cannot be
-  /// written.
-  McapWriter(LogFile& file, std::string_view profile, std::string_view library);
+  /// Begins the file. What `sink` throws goes through all functions here; the file then ends.
+  McapWriter(Sink sink, std::string_view profile, std::string_view library);
   ~McapWriter();
   McapWriter(const McapWriter&) = delete;
   McapWriter& operator=(const McapWriter&) = delete;
 
   void AddMetadata(std::string_view name, const Words& words);
+  /// Both return the number of what they add.
   std::uint16_t AddSchema(std::string_view name, std::string_view encoding, std::string_view text);
   std::uint16_t AddChannel(std::uint16_t schema, std::string_view topic, std::string_view encoding,
                            const Words& metadata);
 
-  /// A message in the open chunk; returns where its `size` bytes go, until the next call.
+  /// A message in the open chunk; returns where its `size` bytes go, until the next call. The chunk
+  /// names all schemas and channels before their messages, and so can be read when all before it is
+  /// lost.
   char* AddMessage(std::uint16_t channel, std::int64_t time_ns, std::size_t size);
   std::size_t chunk_bytes() const { return chunk_.size(); }  ///< before compression
 
-  /// Closes the open chunk and hands it to the system. Without messages it does nothing.
+  /// Closes the open chunk and hands it to the sink. Without messages it does nothing.
   void WriteChunk();
 
-  /// Writes the index and the statistics: the file is complete.
+  /// A schema, channel, message, metadata or attachment, outside of chunks.
+  void AddRecord(Op op, Bytes content);
+  /// A chunk of such records, which it packs.
+  void AddChunk(Bytes records);
+  /// A chunk that is packed already: `packed` is what it holds, `records` the same unpacked.
+  void AddPackedChunk(std::string_view compression, std::uint32_t crc, Bytes packed, Bytes records);
+
+  /// Hands to the sink what has been added, but for the open chunk.
+  void Flush();
+  /// Writes the indexes and the statistics: the file is complete.
   void Finish();
 
+  std::uint64_t messages() const { return messages_; }  ///< written, outside of the open chunk
+  std::uint64_t chunks() const { return chunks_; }
+
  private:
-  struct Span {
-    std::int64_t first_ns, last_ns;
-    void Add(std::int64_t ns);
-  };
-  static constexpr Span kNoTime{INT64_MAX, INT64_MIN};
-  struct ChunkIndex {
-    Span time;
-    std::int64_t begin, bytes, index_bytes;
-    std::map<std::uint16_t, std::int64_t> message_index;  // by channel: where in the file
-    std::size_t compressed, uncompressed;
-  };
-  struct MetadataIndex {
-    std::int64_t begin, bytes;
-    std::string name;
-  };
-  struct Channel {
-    std::vector<std::pair<std::int64_t, std::int64_t>> in_chunk;  // time, place in the chunk
-    std::int64_t messages = 0;
-  };
   struct Compressor;
 
-  void Write(std::string_view bytes);
-  void PutSummary();
+  std::uint64_t at() const { return written_ + out_.size(); }  // where the next record will be
+  void Count(const MessageRecord& message);
+  std::string Statistics() const;
 
-  LogFile& file_;
-  std::uint32_t data_crc_ = 0;
+  const Sink sink_;
+  std::string out_;            // not yet written
+  std::uint64_t written_ = 0;  // before `out_`
+  std::uint32_t crc_ = 0;      // of it
   std::unique_ptr<Compressor> compressor_;
-  std::string chunk_, out_;
-  Span chunk_time_ = kNoTime, time_ = kNoTime;
-  std::string schemas_, channel_records_;  // once more for the summary
-  int schema_count_ = 0;
-  std::vector<Channel> channels_;  // channel i + 1 of the file
-  std::vector<ChunkIndex> chunks_;
-  std::vector<MetadataIndex> metadata_;
+  std::string chunk_;                                        // the open one
+  std::map<std::uint16_t, std::string> schemas_, channels_;  // their records
+  std::string chunk_indexes_, attachment_indexes_, metadata_indexes_;
+  std::uint32_t chunks_ = 0, attachments_ = 0, metadata_ = 0;
+  std::map<std::uint16_t, std::uint64_t> messages_of_;
+  std::uint64_t messages_ = 0, from_ = 0, to_ = 0;
 };
 
 }  // namespace pliant::internal

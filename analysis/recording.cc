@@ -1,27 +1,32 @@
 #include "pliant/analysis/recording.h"
 
 #include <algorithm>
-#include <array>
 #include <cstring>
 #include <map>
 #include <new>
 #include <nlohmann/json.hpp>
 #include <numeric>
+#include <optional>
 #include <utility>
 
+#include "pliant/analysis/cdr.h"
+#include "pliant/analysis/mcap_bytes.h"
+#include "pliant/analysis/mcap_format.h"
 #include "pliant/analysis/mcap_reader.h"
-#include "pliant/analysis/mcap_records.h"
 #include "pliant/systems/error.h"
 #include "pliant/systems/nearest_name.h"
 
 namespace pliant {
 
+using internal::Cdr;
 using internal::Printable;
 
 namespace {
 
-/// Little-endian CDR, with no options.
-constexpr std::array kCdrHead{std::byte{0}, std::byte{1}, std::byte{0}, std::byte{0}};
+/// The message is in the encoding in which we write.
+bool IsCdr(const McapMessage& message) {
+  return internal::TextOf(message.data).starts_with(Cdr::kHead);
+}
 
 /// "[elbow]" and "elbow" are "elbow"; ".force[x]" and "force[x]" are "force.x".
 std::string Plain(std::string_view element) {
@@ -48,22 +53,22 @@ std::vector<std::string> Words(const McapChannel& channel, const std::string& ke
   return list.get<std::vector<std::string>>();
 }
 
-/// What is recorded in a channel; false if it is nothing of ours.
-bool IsRecorded(const McapChannel& channel, RecordedValue* value) {
+/// What is recorded in a channel; empty if it is nothing of ours.
+std::optional<RecordedValue> RecordedIn(const McapChannel& channel) {
   const auto path = channel.metadata.find("pliant.path");
-  if (path == channel.metadata.end()) return false;
+  if (path == channel.metadata.end()) return std::nullopt;
   const auto type = channel.metadata.find("pliant.type");
-  value->path = path->second;
-  value->type = type == channel.metadata.end() ? "" : type->second;
-  value->elements = Words(channel, "pliant.elements");
-  value->units = Words(channel, "pliant.units");
-  if (value->elements.size() != value->units.size())
+  RecordedValue value{.path = path->second,
+                      .type = type == channel.metadata.end() ? "" : type->second,
+                      .elements = Words(channel, "pliant.elements"),
+                      .units = Words(channel, "pliant.units")};
+  if (value.elements.size() != value.units.size())
     throw Error(Printable(channel.topic) + ": there must be a unit for each element, got " +
-                Text(value->units.size()) + " for " + Text(value->elements.size()));
+                Text(value.units.size()) + " for " + Text(value.elements.size()));
   if (channel.message_encoding != "cdr")
     throw Error(Printable(channel.topic) + ": the messages must be cdr, got " +
                 Printable(channel.message_encoding));
-  return true;
+  return value;
 }
 
 std::string Described(const RecordedValue& value) {
@@ -81,14 +86,13 @@ struct Rows {
 
   void Add(const McapMessage& message) {
     const std::size_t count = value.elements.size();
-    if (message.data.size() != kCdrHead.size() + count * sizeof(double) ||
-        !std::ranges::equal(message.data.first(kCdrHead.size()), kCdrHead))
+    if (message.data.size() != Cdr::kHead.size() + count * sizeof(double) || !IsCdr(message))
       throw Error(Printable(message.channel.topic) + ": the message at " +
                   Text(1e-9 * static_cast<double>(message.log_time)) + " s must be " + Text(count) +
                   " numbers in little-endian CDR, got " + Text(message.data.size()) + " bytes");
     times.push_back(message.log_time);
     numbers.resize(numbers.size() + count);
-    std::memcpy(numbers.data() + numbers.size() - count, message.data.data() + kCdrHead.size(),
+    std::memcpy(numbers.data() + numbers.size() - count, message.data.data() + Cdr::kHead.size(),
                 count * sizeof(double));
   }
 
@@ -114,9 +118,9 @@ struct Rows {
 std::string StringOf(const McapMessage& message) {
   std::span data = message.data;
   std::uint32_t size = 0;
-  const std::size_t head = kCdrHead.size() + sizeof size;
-  if (data.size() < head || !std::ranges::equal(data.first(kCdrHead.size()), kCdrHead)) return {};
-  std::memcpy(&size, data.data() + kCdrHead.size(), sizeof size);
+  const std::size_t head = Cdr::kHead.size() + sizeof size;
+  if (data.size() < head || !IsCdr(message)) return {};
+  std::memcpy(&size, data.data() + Cdr::kHead.size(), sizeof size);
   data = data.subspan(head);
   if (size == 0 || size > data.size()) return {};
   return {reinterpret_cast<const char*>(data.data()), size - 1};  // without its 0
@@ -143,15 +147,15 @@ Recording ReadLog(const std::filesystem::path& file) {
   std::vector<Rows> signals;
   std::map<std::uint16_t, std::size_t> of_channel;
   for (const McapChannel& channel : log.channels()) {
-    RecordedValue value;
-    if (!IsRecorded(channel, &value)) continue;
-    const auto is_it = [&](const Rows& rows) { return rows.value.path == value.path; };
+    std::optional<RecordedValue> value = RecordedIn(channel);
+    if (!value) continue;
+    const auto is_it = [&](const Rows& rows) { return rows.value.path == value->path; };
     const auto known = std::ranges::find_if(signals, is_it);
-    if (known != signals.end() && known->value != value)
-      throw Error(Printable(value.path) + " changes within the log\n  from  " +
-                  Described(known->value) + "\n  to    " + Described(value));
+    if (known != signals.end() && known->value != *value)
+      throw Error(Printable(value->path) + " changes within the log\n  from  " +
+                  Described(known->value) + "\n  to    " + Described(*value));
     of_channel[channel.id] = static_cast<std::size_t>(known - signals.begin());
-    if (known == signals.end()) signals.push_back({std::move(value), {}, {}});
+    if (known == signals.end()) signals.push_back({*std::move(value), {}, {}});
   }
   if (signals.empty()) throw NotOurs(file, log);
 

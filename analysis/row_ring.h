@@ -79,8 +79,8 @@ class RowRing {
     std::int64_t dropped;
   };
   static constexpr std::size_t kHead = sizeof(Head) / sizeof(double);
-  static constexpr std::uint32_t kSkip =
-      0;  // in place of a size: the next row begins the ring anew
+  // In place of a size: the next row begins the ring anew.
+  static constexpr std::uint32_t kSkip = 0;
   static constexpr std::size_t kCacheLine = 64;
 
   double* At(std::uint64_t cell) const { return ring_.get() + cell % cells_; }

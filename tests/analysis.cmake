@@ -13,6 +13,8 @@ target_compile_definitions(analysis_export_test PRIVATE PLIANT_PYTHON="${PLIANT_
 pliant_test(analysis/figure_test.cc LIBRARIES pliant::analysis)
 pliant_test(analysis/linearize_test.cc LIBRARIES pliant::analysis)
 pliant_test(analysis/mann_whitney_test.cc LIBRARIES pliant::analysis)
+pliant_test(analysis/log_file_test.cc LIBRARIES pliant::analysis)
+pliant_test(analysis/mcap_bad_sector_test.cc LIBRARIES pliant::analysis)
 pliant_test(analysis/mcap_damage_test.cc LIBRARIES pliant::analysis)
 pliant_test(analysis/mcap_reader_test.cc LIBRARIES pliant::analysis)
 pliant_test(analysis/mcap_repair_test.cc LIBRARIES pliant::analysis)

@@ -24,6 +24,9 @@ with h5py.File(sys.argv[1]) as run:
     assert run["energy/time"][:].tolist() == [0, 0.2]
     assert run["energy/torque"].attrs["units"].tolist() == ["N·m"]
     assert run["energy/torque/data"].shape == (0, 1)
+    assert run["arm/nothing"].attrs["elements"].shape == (0,)
+    assert run["arm/nothing"].attrs["units"].shape == (0,)
+    assert sorted(run["arm/nothing"]) == ["time"]
     assert dict(run["metadata/pliant"].attrs) == {"seed": "7"}
     assert run.attrs["robot_description"] == "x" * 100000
     assert sorted(run) == ["arm", "energy", "metadata"]

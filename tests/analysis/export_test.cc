@@ -30,7 +30,11 @@ Recording TwoJoints() {
   const RecordedSignal slow{
       {"energy", "double", {""}, {"J"}}, Eigen::Vector2d(0, 0.2), Eigen::RowVector2d(5, 6)};
   const RecordedSignal empty{{"energy.torque", "double", {""}, {"N·m"}}, {}, Eigen::MatrixXd(1, 0)};
-  return {{velocity, mode, slow, empty}, {{"pliant", {{"seed", "7"}}}}, std::string(100'000, 'x')};
+  const RecordedSignal nothing{
+      {"arm.nothing", "table", {}, {}}, velocity.times, Eigen::MatrixXd(0, 3)};
+  return {{velocity, mode, slow, empty, nothing},
+          {{"pliant", {{"seed", "7"}}}},
+          std::string(100'000, 'x')};
 }
 
 class Export : public testing::Test {

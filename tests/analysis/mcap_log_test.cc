@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <pthread.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -20,6 +21,7 @@
 #include "pliant/tests/analysis/mcap/mcap_scan.h"
 #include "pliant/tests/support/allocations.h"
 #include "pliant/tests/support/error_of.h"
+#include "pliant/tests/support/mcap_bytes.h"
 #include "pliant/tests/support/temporary_directory.h"
 
 namespace pliant {
@@ -27,6 +29,7 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::Pair;
 using ::testing::StartsWith;
 using WallClock = std::chrono::steady_clock;
 
@@ -118,6 +121,29 @@ TEST_F(McapLogTest, IsTheSameFileForTheSameRows) {
   }
   EXPECT_GT(Scan().chunks, 2u);
   EXPECT_TRUE(one == other);
+}
+
+TEST_F(McapLogTest, NamesInEachChunkTheChannelsOfItsMessages) {
+  McapLog log({.file = file()});
+  const int wide = log.Open({Wide(100), {"a", "double", {""}, {"m"}}, {"b", "int", {""}, {""}}});
+  Count(log, wide, 500);
+  const int late = log.Open({kCount, {"late", "joint torque", {"[elbow]"}, {"N·m"}}});
+  Count(log, late, 1500);
+  Count(log, wide, 1500, 500);
+  log.Close();
+
+  constexpr int kChunk = 6;
+  std::map<std::string, std::size_t> messages;
+  const std::string bytes = ReadText(file());
+  for (const McapBytes& record : RecordsOf(bytes))
+    if (record.op == kChunk) {
+      // A log of this chunk alone, whose scan fails at a message of an unknown channel.
+      const McapScan scan(LogBytes(bytes.substr(record.at, record.end() - record.at)));
+      for (const auto& [topic, channel] : scan.topics) messages[topic] += channel.messages.size();
+    }
+  EXPECT_GT(Scan().chunks, 1u);
+  EXPECT_THAT(messages, ElementsAre(Pair("/a", 2000), Pair("/b", 2000), Pair("/count", 1500),
+                                    Pair("/late", 1500), Pair("/wide", 2000)));
 }
 
 TEST_F(McapLogTest, SharesASchemaBetweenValuesOfOneShape) {
@@ -277,6 +303,25 @@ TEST_F(McapLogTest, SaysWhyItCannotBegin) {
             "cannot write " + directory_.path().string() + ": Is a directory");
   EXPECT_EQ(ErrorOf([&] { McapLog({.file = "/dev/full", .force = true}); }),
             "cannot write /dev/full: No space left on device");
+}
+
+TEST_F(McapLogTest, LeavesAllAsItWasWhenItsThreadCannotBegin) {
+  std::ofstream(file()) << "older";
+  pthread_attr_t before, huge;
+  pthread_getattr_default_np(&before);
+  pthread_attr_init(&huge);
+  pthread_attr_setstacksize(&huge, std::size_t{1} << 48);  // more than there are addresses
+  pthread_setattr_default_np(&huge);
+  const std::string error = ErrorOf([&] { McapLog({.file = file(), .force = true}); });
+  pthread_setattr_default_np(&before);
+
+  EXPECT_THAT(error, StartsWith("cannot write " + file().string() +
+                                ": the thread that writes cannot begin: "));
+  EXPECT_EQ(ReadText(file()), "older");
+  EXPECT_FALSE(std::filesystem::exists(file().string() + ".part"));
+  sigset_t blocked;
+  pthread_sigmask(SIG_SETMASK, nullptr, &blocked);
+  EXPECT_EQ(sigismember(&blocked, SIGINT), 0);
 }
 
 /// Until its end files may not grow beyond `bytes`.
