@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "pliant/analysis/export.h"
+#include "pliant/analysis/mcap_format.h"
 #include "pliant/analysis/mcap_reader.h"
-#include "pliant/analysis/mcap_records.h"
 #include "pliant/analysis/mcap_repair.h"
 #include "pliant/analysis/replay.h"
 #include "pliant/analysis/run_data.h"
