@@ -253,7 +253,7 @@ TEST(ReportOf, HoldsARunOfAMinuteInLessThanFiveMegabytes) {
     run.log = Recording(signals, run.log.metadata(), run.log.robot_description());
   }
   const fs::path page = out.path() / "report/report.html";
-  WriteReport(ReportOf(runs), page.parent_path(), runs);
+  WriteReport(ReportOf(runs), runs, page.parent_path());
   EXPECT_LT(fs::file_size(page), 5'000'000u);
   const std::string html = ReadText(page);
   EXPECT_THAT(html, HasSubstr("<section id=\"replay\">"));

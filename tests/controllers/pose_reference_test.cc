@@ -41,8 +41,8 @@ void ExpectRatesToFit(const typename T::Options& options, double begin, double e
     const Vector3d v = (c.pose.position - a.pose.position) / (2 * h);
     const Eigen::AngleAxisd turn(c.pose.rotation * a.pose.rotation.transpose());
     const Vector3d w = turn.angle() * turn.axis() / (2 * h);
-    EXPECT_LT((b.twist.tail<3>() - v).norm(), tolerance) << time;
-    EXPECT_LT((b.twist.head<3>() - w).norm(), tolerance) << time;
+    EXPECT_LT((b.twist.tail(3) - v).norm(), tolerance) << time;
+    EXPECT_LT((b.twist.head(3) - w).norm(), tolerance) << time;
     EXPECT_LT((b.acceleration - (c.twist - a.twist) / (2 * h)).norm(), tolerance) << time;
     EXPECT_NEAR(b.pose.rotation.determinant(), 1, 1e-14);
   }
