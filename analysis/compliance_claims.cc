@@ -184,7 +184,8 @@ Claim KeepsLimits::Check(const Runs& runs) const {
     for (int j = 0; j < run->arm.model.size(); ++j) {
       const double use = UseOfLimits(*run, j);
       // What is not a number is worse than all.
-      if (!(use <= most)) most = use, where = run->arm.model.joint(j).name + ", " + run->title;
+      if (!(use <= most) && !std::isnan(most))
+        most = use, where = run->arm.model.joint(j).name + ", " + run->title;
     }
   }
   return Stated(claim,

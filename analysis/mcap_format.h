@@ -4,6 +4,8 @@
 #include <string>
 #include <string_view>
 
+#include "pliant/analysis/printable.h"
+
 /// What every MCAP file is made of, as https://mcap.dev/spec, version 0, says.
 namespace pliant::internal {
 
@@ -33,8 +35,5 @@ enum class Op : std::uint8_t {
 
 /// "chunk", "message index", …
 std::string NameOf(Op op);
-
-/// A word of a file for a message: what cannot be printed is written as \x00.
-std::string Printable(std::string_view word);
 
 }  // namespace pliant::internal

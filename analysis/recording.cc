@@ -19,7 +19,6 @@
 namespace pliant {
 
 using internal::Cdr;
-using internal::Printable;
 
 namespace {
 

@@ -32,7 +32,8 @@ struct RunOptions {
 /// ended.
 std::vector<std::filesystem::path> RunExperiment(const ExperimentFile& file, const RunOptions& o);
 
-/// What the logs of an experiment's runs hold: by repetition, and then in the order of the experiment.
+/// What the logs of an experiment's runs hold: by repetition, and then in the order of the
+/// experiment.
 std::vector<RunData> ReadRuns(const std::vector<std::filesystem::path>& logs);
 
 /// The report on the runs of one experiment: its claims, figures and tables from their logs.

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "pliant/analysis/export.h"
-#include "pliant/analysis/mcap_format.h"
 #include "pliant/analysis/mcap_reader.h"
 #include "pliant/analysis/mcap_repair.h"
+#include "pliant/analysis/printable.h"
 #include "pliant/analysis/replay.h"
 #include "pliant/analysis/run_data.h"
 #include "pliant/apps/commands.h"
@@ -17,7 +17,6 @@ namespace pliant {
 namespace {
 
 namespace fs = std::filesystem;
-using internal::Printable;
 
 /// What the commands about one log are told.
 struct Told {

@@ -94,6 +94,10 @@ TEST(ExperimentFile, RefusesClaimsAboutWhatIsNotThere) {
   };
   EXPECT_EQ(bound("control.pose_error"), "no error");
   EXPECT_EQ(bound("push_1.force, elements: ['force[x]']"), "no error");
+  EXPECT_EQ(
+      bound("push_1.force"),
+      "e.yaml: claim 'a': the elements of push_1.force are in [] and in [m]; name elements of "
+      "one unit");
   EXPECT_THAT(bound("control.pose_eror"), AllOf(StartsWith("e.yaml: claim 'a': "),
                                                 HasSubstr("did you mean 'control.pose_error'?")));
   EXPECT_THAT(
@@ -115,9 +119,11 @@ TEST(ExperimentFile, RefusesClaimsAboutWhatIsNotThere) {
 // What one run has and another has not.
 TEST(ExperimentFile, LooksForSignalsInTheRunThatIsNamed) {
   const auto of = [](const std::string& run) {
-    return ErrorWith(Claimed("!Bound {" + kStated +
-                             ", basis: b, most: 1, signal: push_1.force, run: " + run + "}"),
-                     {{"runs.1.set", "{environment: []}"}});
+    return ErrorWith(
+        Claimed("!Bound {" + kStated +
+                ", basis: b, most: 1, signal: push_1.force, elements: ['force[x]'], run: " + run +
+                "}"),
+        {{"runs.1.set", "{environment: []}"}});
   };
   EXPECT_EQ(of("stiff"), "no error");
   EXPECT_THAT(of("full"), HasSubstr("push_1.force"));

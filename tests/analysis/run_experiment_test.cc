@@ -98,7 +98,7 @@ TEST(RunExperiment, LeavesLogsThatCanBeReadWhenItIsStopped) {
   std::vector<RunData> empty = runs;
   empty[0].log = Recording({{{"arm.measured_position", "joint position", {}, {}}, {}, {}}}, {});
   EXPECT_EQ(ErrorOf([&] { ReportOf(empty); }),
-            logs[0].string() + ": the run ended before it began; a report needs whole runs");
+            logs[0].string() + ": the log has no row; a report needs whole runs");
 }
 
 TEST(RunExperiment, RunsNothingOnceItIsStopped) {

@@ -100,7 +100,7 @@ class ScenarioFile(InFolder):
         self.refuses("none.yaml: cannot be read", "run", "none.yaml", "--out", "out")
         self.refuses(".: cannot be read", "run", ".", "--out", "out")
         (self.folder / "big.yaml").write_bytes(bytes(5 << 20))
-        self.refuses("big.yaml: a file of parameters has at most 4 MiB", "run", "big.yaml", "--out", "out")
+        self.refuses("big.yaml: a file of parameters has at most 512 KiB", "run", "big.yaml", "--out", "out")
 
     def test_set_says_which_value_is_wrong(self):
         self.set("controler.tool=x", f"there is no 'controler' here; did you mean 'controller'?\n  known: {KEYS}")
