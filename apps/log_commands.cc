@@ -28,10 +28,14 @@ struct Told {
 
 int ReplayLog(const Told& told) {
   const RunData run = RunData::Read(told.log);
-  const ReplayResult result =
-      Replay(std::move(ScenarioDiagram(run.scenario).builder), told.part, run.log);
-  std::fputs(result.text().c_str(), stdout);
-  return result.identical() ? 0 : 1;
+  DiagramBuilder whole = std::move(ScenarioDiagram(run.scenario).builder);
+  try {
+    const ReplayResult result = Replay(std::move(whole), told.part, run.log);
+    std::fputs(result.text().c_str(), stdout);
+    return result.identical() ? 0 : 1;
+  } catch (const Error& e) {
+    throw Error(told.log.string() + ": " + e.what());
+  }
 }
 
 int Export(const Told& told) {

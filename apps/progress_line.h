@@ -9,19 +9,22 @@
 #include <string>
 #include <utility>
 
+#include "pliant/analysis/printable.h"
+
 namespace pliant {
 
 /// How far a run is, on standard error: a line that is written over on a terminal, elsewhere a line
 /// every 10 s, and one at the end of each run.
 class ProgressLine {
  public:
-  void operator()(const std::string& phase, double done_s, double total_s, double wall_s) {
+  void operator()(const std::string& title, double done_s, double total_s, double wall_s) {
     const auto now = std::chrono::steady_clock::now();
     const bool end = done_s >= total_s;
     if (!end &&
         now - shown_ < (terminal_ ? std::chrono::milliseconds(100) : std::chrono::seconds(10)))
       return;
     shown_ = now;
+    const std::string phase = Printable(title);
     const double factor = wall_s > 0 ? done_s / wall_s : 0;
     const int digits = total_s < 10 ? 3 : 1;
     // As many blanks as letters are short of it, not bytes.

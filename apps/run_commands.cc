@@ -6,6 +6,7 @@
 
 #include "pliant/analysis/experiment.h"
 #include "pliant/analysis/figure.h"
+#include "pliant/analysis/printable.h"
 #include "pliant/analysis/run_experiment.h"
 #include "pliant/analysis/study.h"
 #include "pliant/apps/commands.h"
@@ -71,8 +72,8 @@ int WriteAndTell(const Report& report, const fs::path& out, bool strict,
   }
   bool all = true;
   for (const Claim& claim : report.claims) {
-    std::printf("%-8s %s: %s\n", claim.holds ? "holds" : "FAILS", claim.id.c_str(),
-                claim.measured.c_str());
+    std::printf("%-8s %s: %s\n", claim.holds ? "holds" : "FAILS", Printable(claim.id).c_str(),
+                Printable(claim.measured).c_str());
     all = all && claim.holds;
   }
   std::printf("report: %s\n", (fs::absolute(out) / "report.html").lexically_normal().c_str());

@@ -49,7 +49,7 @@ class Damage(InFolder):
         self.assertIn("kept 0 messages", self.repaired())
         self.refuses("good.mcap: the log has no row; a report needs whole runs",
                      "report", "good.mcap", "--out", "report")
-        self.refuses("the log has no row of arm.measured_position", "replay", "good.mcap")
+        self.refuses("good.mcap: the log has no row of arm.measured_position", "replay", "good.mcap")
 
     def test_of_a_hundred_megabytes_takes_no_time(self):
         begun = time.monotonic()

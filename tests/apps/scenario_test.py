@@ -217,7 +217,7 @@ class Run(InFolder):
                          "identical: 8 signals over 101 rows, 0 s to 0.1 s\n")
         self.assertIn("identical: 1 signal over 101 rows",
                       self.ends(0, "replay", "out/logs/run.mcap", "--part", "control.observer"))
-        self.refuses("the diagram has no part 'contro'; did you mean 'control'?",
+        self.refuses("out/logs/run.mcap: the diagram has no part 'contro'; did you mean 'control'?",
                      "replay", "out/logs/run.mcap", "--part", "contro")
 
     def test_differs_in_its_replay_if_its_log_tells_of_other_gains(self):
@@ -237,7 +237,8 @@ class Run(InFolder):
         self.run_short("fine", "--set", "log_period=0.5 ms")
         self.ends(0, "replay", "fine/logs/run.mcap")
         self.run_short("coarse", "--set", "log_period=3 ms")
-        self.refuses("the log has no row of arm.measured_position at t = 0.001 s, when control ticks\n"
+        self.refuses("coarse/logs/run.mcap: the log has no row of arm.measured_position at t = 0.001 s, when control "
+                     "ticks\n"
                      "record a row at each of its ticks, and drop none", "replay", "coarse/logs/run.mcap")
 
 
