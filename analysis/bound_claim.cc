@@ -23,10 +23,13 @@ struct Picked {
       if (const std::string& other = signal.units[static_cast<std::size_t>(row)]; other != unit)
         throw Error("the elements of " + signal.path + " are in [" + unit + "] and in [" + other +
                     "]; name elements of one unit");
-    numbers = signal.numbers(rows, Eigen::all);
+    const Series numbers = signal.numbers(rows, Eigen::all);
+    is_norm = rows.size() > 1;
+    x = is_norm ? Norms(numbers) : Eigen::VectorXd(numbers.row(0).transpose());
   }
 
-  Series numbers;
+  Eigen::VectorXd x;
+  bool is_norm;
   std::string unit;
 };
 
@@ -52,20 +55,27 @@ void BoundClaim::RequireFit(const Scenario& scenario) const {
   Require(from_s <= to_s, "from_s must be <= to_s", Text(from_s) + " and " + Text(to_s));
   Require(from_s <= scenario.duration_s,
           "from_s must be <= duration_s, " + Text(scenario.duration_s), from_s);
+  const double period = seconds(LogPeriodOf(scenario));
+  Require(std::ceil(from_s / period - 1e-9) * period <= std::min(to_s, scenario.duration_s) + 1e-9,
+          "no row of the log, one each " + LogPeriodOf(scenario).text() +
+              ", lies between from_s and to_s",
+          Text(from_s) + " and " + Text(to_s));
 }
 
-void BoundClaim::RequireSound(const RecordedSignal& recorded) const { Picked(recorded, elements); }
+void BoundClaim::RequireSound(const RecordedSignal& recorded) const {
+  const Picked picked(recorded, elements);
+  Require(!picked.is_norm || most >= 0, "most of a norm must be >= 0", most);
+}
 
 Claim BoundClaim::Check(const Runs& runs) const {
   const RecordedSignal& recorded = runs[run].log[signal];
   const Picked picked(recorded, elements);
-  const Eigen::VectorXd norms = Norms(picked.numbers);
   const Eigen::Index begin = (recorded.times.array() < from_s).count();
   const Eigen::Index end = (recorded.times.array() <= to_s).count();
   Require(begin < end,
           "claim '" + claim.id + "': no row of " + signal + " lies between from_s and to_s",
           Text(from_s) + " and " + Text(to_s));
-  const double value = Of(statistic, norms.segment(begin, end - begin));
+  const double value = Of(statistic, picked.x.segment(begin, end - begin));
   std::string criterion;
   if (std::isfinite(least)) criterion = "at least " + WithUnit(least, picked.unit);
   if (std::isfinite(most))
@@ -76,8 +86,8 @@ Claim BoundClaim::Check(const Runs& runs) const {
   return {.id = claim.id,
           .source = claim.source,
           .paper = claim.paper,
-          .measured = word + " of " + signal + (what.empty() ? "" : what + "]") + " is " +
-                      WithUnit(value, picked.unit),
+          .measured = word + (picked.is_norm ? " norm of " : " of ") + signal +
+                      (what.empty() ? "" : what + "]") + " is " + WithUnit(value, picked.unit),
           .criterion = criterion,
           .basis = basis,
           .holds = value >= least && value <= most};

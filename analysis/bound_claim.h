@@ -16,10 +16,11 @@ inline const std::vector<std::string>& Words(Statistic) {
   return words;
 }
 
-/// A number computed from a recorded signal lies between two bounds:
+/// A number computed from a recorded signal lies between two bounds, in the signal's unit. x(t) is
+/// an element of the signal, or the norm of several:
 ///
-///   x(t) = ‖ elements of the signal ‖,   from_s ≤ t ≤ to_s
-///   peak max x,  rms √(mean x²),  mean mean x,  last x at the end
+///   peak max x,  rms √(mean x²),  mean mean x,  last x at the end,   of rows with from_s ≤ t ≤
+///   to_s
 ///
 struct BoundClaim {
   static constexpr const char* kTag = "Bound";

@@ -96,6 +96,13 @@ double EndOfPlateau(const Scenario& scenario) {
   return last->start_s + last->duration_s - last->edge_s;
 }
 
+/// Between two rows of a coarser log anything may have happened.
+void RequireEveryTick(const Scenario& scenario) {
+  const Duration control = ControlPeriodOf(scenario), log = LogPeriodOf(scenario);
+  Require(!(control < log), "log_period must be <= " + control.text() + ", the controller's period",
+          log.text());
+}
+
 }  // namespace
 
 Series PredictedError(const RunData& run) {
@@ -113,6 +120,8 @@ Series StaticError(const RunData& run) {
          o.pose.stiffness;
 }
 
+void StandsStill::RequireFit(const Scenario& scenario) const { RequireEveryTick(scenario); }
+
 Claim StandsStill::Check(const Runs& runs) const {
   const RunData& of = runs[run];
   const bool real = of.control.low_level.has_value();
@@ -127,6 +136,8 @@ Claim StandsStill::Check(const Runs& runs) const {
                      : "the integrator's absolute tolerance; round-off alone leaves some 1e-15",
                 shift < bound && (real || turn < bound));
 }
+
+void HoldsTool::RequireFit(const Scenario& scenario) const { RequireEveryTick(scenario); }
 
 Claim HoldsTool::Check(const Runs& runs) const {
   const RunData& of = runs[run];
@@ -146,6 +157,7 @@ Claim HoldsTool::Check(const Runs& runs) const {
 }
 
 void YieldsAsInertia::RequireFit(const Scenario& scenario) const {
+  RequireEveryTick(scenario);
   const double end = EndOfPlateau(scenario);
   Require(scenario.duration_s >= end,
           "duration_s must be >= " + Text(end) + ", when its last push has lasted",
@@ -171,6 +183,8 @@ Claim YieldsAsInertia::Check(const Runs& runs) const {
                     Text(100 * within) + " % leaves room for the drift of the null space",
                 off < within);
 }
+
+void KeepsLimits::RequireFit(const Scenario& scenario) const { RequireEveryTick(scenario); }
 
 Claim KeepsLimits::Check(const Runs& runs) const {
   double most = 0;

@@ -33,6 +33,8 @@ struct StandsStill {
     claim.Parameters(f);
     f("run", run);
   }
+  /// Throws Error if the log of a run of this scenario lacks ticks of the controller.
+  void RequireFit(const Scenario& scenario) const;
   Claim Check(const Runs& runs) const;
 };
 
@@ -51,6 +53,8 @@ struct HoldsTool {
     f("factor", factor, "", kPositive);
     f("joints_more_than_deg", joints_more_than_deg, "deg", kNotNegative);
   }
+  /// Throws Error if the log of a run of this scenario lacks ticks of the controller.
+  void RequireFit(const Scenario& scenario) const;
   Claim Check(const Runs& runs) const;
 };
 
@@ -68,7 +72,7 @@ struct YieldsAsInertia {
     f("run", run);
     f("within", within, "", kPositive);
   }
-  /// Throws Error if a run has no push whose plateau ends in it.
+  /// The same, and if a run has no push whose plateau ends in it.
   void RequireFit(const Scenario& scenario) const;
   Claim Check(const Runs& runs) const;
 };
@@ -82,6 +86,8 @@ struct KeepsLimits {
   void Parameters(F&& f) {
     claim.Parameters(f);
   }
+  /// Throws Error if the log of a run of this scenario lacks ticks of the controller.
+  void RequireFit(const Scenario& scenario) const;
   Claim Check(const Runs& runs) const;
 };
 

@@ -122,7 +122,8 @@ class NamesCheck {
       about(part.behind_observer);
       about(part.as_if_static);
     }
-    if constexpr (!std::is_same_v<Part, KeepsLimits>) Require(!runs.empty(), "it is about no run");
+    if constexpr (std::is_same_v<Part, KeepsLimits>) about(names_);
+    Require(!runs.empty(), "it is about no run");
     for (const std::string& name : runs) {
       const KnownRun& run = Run(name);
       if constexpr (requires { part.signal; }) part.RequireSound(run.recorded[part.signal]);
@@ -151,6 +152,8 @@ void CheckChanges(const RunOf& run) {
   for (const auto& [path, yaml] : run.set)
     Require(std::ranges::find(others, path.substr(0, path.find('.'))) == others.end(),
             "a run changes its scenario only, not '" + path + "'");
+  const auto of_robot = [](const auto& change) { return change.first == "robot"; };
+  Require(std::ranges::none_of(run.set, of_robot), "all runs of an experiment have one robot");
 }
 
 }  // namespace
@@ -167,6 +170,10 @@ ExperimentFile ExperimentFile::ReadText(const std::string& text, const std::stri
     for (const RunOf& run : runs) {
       at = source + ": run '" + run.name + "'";
       CheckChanges(run);
+      for (const auto& [path, yaml] : set)
+        if (std::ranges::find(run.set, path, &Overrides::value_type::first) != run.set.end())
+          throw Error("--set " + path + "=" + yaml + ": run '" + run.name +
+                      "' sets it too, and would have its way");
       const auto names = std::make_shared<NamesOnly>();
       const Experiment changed = Filled(text, source, set, &run);
       file.scenarios.push_back(changed.scenario);

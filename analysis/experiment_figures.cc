@@ -129,6 +129,7 @@ void SignalFigure::RequireFit(const Scenario&) const {
       name, [](unsigned char c) { return c < 0x80 && (std::isalnum(c) || c == '_' || c == '-'); });
   Require(fit, "its name, which names its file, has letters, digits, '_' and '-'",
           "'" + name + "'");
+  Require(name.size() <= 100, "its name has at most 100 letters", name.size());
 }
 
 Figure SignalFigure::Draw(const Runs& all) const {

@@ -70,6 +70,7 @@ class Execution {
 
   std::vector<std::filesystem::path> Run() {
     internal::MakeDirectory(options_.out / "logs");
+    if (options_.force) RemoveOldLogs();
     // Refused before anything is run, not after an hour.
     for (const Job& job : jobs_)
       if (std::error_code unknown; !options_.force && std::filesystem::exists(job.log, unknown))
@@ -93,6 +94,21 @@ class Execution {
   }
 
  private:
+  /// Those of other repetitions, which would be taken for some of this.
+  void RemoveOldLogs() const {
+    for (const auto& entry : std::filesystem::directory_iterator(options_.out / "logs")) {
+      const std::filesystem::path& log = entry.path();
+      const std::string name = log.stem().string();
+      const std::string of = name.substr(0, name.find_last_not_of("0123456789") + 1);
+      const bool ours = std::ranges::any_of(file_.experiment.runs, [&](const RunOf& run) {
+        return name == run.name || (of == run.name + "-" && name != of);
+      });
+      if (log.extension() == ".mcap" && ours &&
+          std::ranges::find(jobs_, log, &Job::log) == jobs_.end())
+        std::filesystem::remove(log);
+    }
+  }
+
   bool Stopped() const { return failed_ || (options_.stop && *options_.stop); }
 
   void Work() {
@@ -202,7 +218,7 @@ std::vector<Setting> SettingsOfRun(const RunData& run) {
       {"integrator", std::string(Name(s.integrator.method)) + ", tolerances " +
                          Text(s.integrator.relative_tolerance) + " relative, " +
                          Text(s.integrator.absolute_tolerance) + " absolute"},
-      {"duration", Text(s.duration_s) + " s"},
+      {"duration", Text(s.duration_s) + " s, a row of the log each " + run.sample_period().text()},
       {"version", "pliant " + run.version + "; " + run.built_with}};
 }
 

@@ -113,6 +113,9 @@ int RunFile(const fs::path& path, const Told& told) {
   Require(!told.out.empty(), "--out is required: the folder of logs and report");
   RefuseToOverwrite(told.out, told.force);
   if (!file.experiment.figures.empty()) FindGnuplot();
+  if (told.force)  // a report on other logs than those beside it says what is not so
+    for (const char* name : {"report.html", "verdict.json"})
+      if (std::error_code none; true) fs::remove(told.out / name, none);
   const std::vector<fs::path> logs = Run(file, told);
   if (!StopSignals::requested) return ReportOnLogs(logs, told);
   std::fprintf(stderr, "stopped; what was logged:\n");
@@ -123,8 +126,8 @@ int RunFile(const fs::path& path, const Told& told) {
 int RunNamed(const std::string& name, const Told& told) {
   for (const Study& study : Studies())
     if (study.name == name) {
-      Require(told.set.empty() && told.repeat == 1,
-              "'" + name + "' is no scenario: it takes neither --set nor --repeat");
+      Require(told.set.empty() && told.repeat == 1 && told.jobs == 1,
+              "'" + name + "' is no scenario: it takes neither --set nor --repeat nor --jobs");
       RefuseToOverwrite(told.out, told.force);
       FindGnuplot();
       return WriteAndTell(study.run(ProgressLine{}), told.out, told.strict);

@@ -4,6 +4,23 @@
 
 namespace pliant {
 
+namespace {
+
+/// A task's error and its rate as what they are of a pose.
+class PoseErrors final : public Block {
+ public:
+  PoseErrors() {
+    Compute(error).From(task_error).As([](const TaskVector& e) { return PoseError(e); });
+    Compute(rate).From(task_error_rate).As([](const TaskVector& e) { return Twist(e); });
+  }
+  Input<TaskVector> task_error{this, "task_error"};
+  Input<TaskVector> task_error_rate{this, "task_error_rate"};
+  Output<PoseError> error{this, "error"};
+  Output<Twist> rate{this, "rate"};
+};
+
+}  // namespace
+
 ComplianceControl::ComplianceControl(const Options& o)
     : measured_position{this, "measured_position", o.model.joints()},
       measured_velocity{this, "measured_velocity", o.model.joints()},
@@ -13,8 +30,8 @@ ComplianceControl::ComplianceControl(const Options& o)
       current{this, "current", o.model.joints()},
       acceleration{this, "acceleration", o.model.joints()},
       residual{this, "residual", o.model.joints()},
-      pose_error{this, "pose_error", {}, TaskVector::Zero(6)},
-      pose_error_rate{this, "pose_error_rate", {}, TaskVector::Zero(6)},
+      pose_error{this, "pose_error"},
+      pose_error_rate{this, "pose_error_rate"},
       posture_error{this, "posture_error", o.model.joints()},
       report{this, "report"} {
   const Joints& joints = o.model.joints();
@@ -80,8 +97,11 @@ ComplianceControl::ComplianceControl(const Options& o)
   Connect(qp.torque, torque);
   Connect(qp.acceleration, acceleration);
   Connect(observer.residual, residual);
-  Connect(pose.error, pose_error);
-  Connect(pose.error_rate, pose_error_rate);
+  auto& errors = Add<PoseErrors>("pose_errors");
+  Connect(pose.error, errors.task_error);
+  Connect(pose.error_rate, errors.task_error_rate);
+  Connect(errors.error, pose_error);
+  Connect(errors.rate, pose_error_rate);
   Connect(posture.error, posture_error);
   Connect(qp.report, report);
   if (o.low_level) {

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "pliant/controllers/compliance_qp.h"
@@ -15,6 +17,13 @@
 #include "pliant/systems/composite.h"
 
 namespace pliant {
+
+/// How far a frame is from where it is to be: [log(R R°ᵀ); p − p°], world axes.
+struct PoseError : Signal<PoseError, Frame, 6> {
+  using Signal::Signal;
+  static constexpr Quantity quantity{"pose error", "rad, m"};
+  static constexpr std::array<std::string_view, 6> elements{"rx", "ry", "rz", "x", "y", "z"};
+};
 
 /// Where the controller has τ̂_e from.
 enum class TorqueEstimate { True, Observer, Zero };
@@ -88,8 +97,8 @@ class ComplianceControl final : public Composite {
   Output<MotorCurrent> current;
   Output<JointAcceleration> acceleration;  ///< q̈_d
   Output<JointTorque> residual;            ///< of the observer
-  Output<TaskVector> pose_error;           ///< [rad, m]
-  Output<TaskVector> pose_error_rate;      ///< [rad/s, m/s]
+  Output<PoseError> pose_error;
+  Output<Twist> pose_error_rate;
   Output<JointPosition> posture_error;
   Output<ComplianceQpReport> report;
 };

@@ -16,7 +16,7 @@ struct ModeChange {
 
   template <class F>
   void Parameters(F&& f) {
-    f("at_s", at_s, "s", kNotNegative);
+    f("at_s", at_s, "s", Between(0, 1e6));
     f("mode", mode);
   }
 };

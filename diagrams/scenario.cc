@@ -144,6 +144,12 @@ ComplianceControl::Options ControllerOf(const Scenario& scenario,
   return control;
 }
 
+Duration ControlPeriodOf(const Scenario& scenario) { return PeriodOf(StationOf(scenario)); }
+
+Duration LogPeriodOf(const Scenario& scenario) {
+  return scenario.log_period.value_or(ControlPeriodOf(scenario));
+}
+
 std::vector<Push::Options> PushesOf(const Scenario& scenario) {
   std::vector<Push::Options> pushes;
   for (const EnvironmentPart& part : scenario.environment)

@@ -80,6 +80,10 @@ SimulatedArm::Options StationOf(const Scenario& scenario);
 /// The controller of a scenario for that arm: its model may have errors.
 ComplianceControl::Options ControllerOf(const Scenario& scenario, const SimulatedArm::Options& arm);
 
+/// The period of a scenario's controller, and that of the rows of its log.
+Duration ControlPeriodOf(const Scenario& scenario);
+Duration LogPeriodOf(const Scenario& scenario);
+
 /// The pushes among a scenario's environment.
 std::vector<Push::Options> PushesOf(const Scenario& scenario);
 

@@ -110,7 +110,7 @@ constexpr bool IsVariant = false;
 template <class... T>
 constexpr bool IsVariant<std::variant<T...>> = true;
 
-/// Whether a parameter holds what says that it is to be given.
+/// Whether a parameter, or one inside it, holds what says that it is to be given.
 template <class T>
 bool IsToBeGiven(const T& value) {
   if constexpr (std::is_same_v<T, double>) {
@@ -119,6 +119,15 @@ bool IsToBeGiven(const T& value) {
     return value.size() > 0 && value.hasNaN();
   } else if constexpr (std::is_same_v<T, std::string>) {
     return value.empty();
+  } else if constexpr (IsVariant<T>) {
+    return std::visit([](const auto& of) { return IsToBeGiven(of); }, value);
+  } else if constexpr (HasParameters<T>) {
+    bool to_be_given = false;
+    const_cast<T&>(value).Parameters(
+        [&](std::string_view, auto& inner, std::string_view = {}, const Range& = kAnyNumber) {
+          to_be_given = to_be_given || IsToBeGiven(inner);
+        });
+    return to_be_given;
   } else {
     return false;
   }

@@ -36,8 +36,8 @@ class Push final : public Block {
       f("link", link);
       f("point", point, "m");
       f("force", force, "N");
-      f("start_s", start_s, "s");
-      f("duration_s", duration_s, "s", kPositive);
+      f("start_s", start_s, "s", Between(-1e6, 1e6));
+      f("duration_s", duration_s, "s", Between(1e-9, 1e6));
       f("edge_s", edge_s, "s", kPositive);
     }
   };

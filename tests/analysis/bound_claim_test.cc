@@ -58,7 +58,7 @@ TEST(BoundClaim, ComputesEachStatisticOfTheNorm) {
 
 TEST(BoundClaim, TakesAllElementsIfNoneAreNamed) {
   ExpectValue(Of({}, Statistic::Peak, 0, kUnbounded), std::sqrt(26));
-  ExpectValue(Of({"z"}, Statistic::Last, 0, kUnbounded), 1);  // a norm has no sign
+  ExpectValue(Of({"z"}, Statistic::Last, 0, kUnbounded), -1);  // an element has its sign
 }
 
 TEST(BoundClaim, TakesTheRowsFromOneTimeToAnother) {
@@ -75,7 +75,7 @@ TEST(BoundClaim, SaysWhatItMeasuredAndWhatItAsksFor) {
   BoundClaim claim = Of({"x", "y"}, Statistic::Peak, 0, kUnbounded);
   claim.most = 4;
   const Claim upper = claim.Check(Runs({&run}));
-  EXPECT_EQ(upper.measured, "peak of a.ramp[x, y] is 5.00 N");
+  EXPECT_EQ(upper.measured, "peak norm of a.ramp[x, y] is 5.00 N");
   EXPECT_EQ(upper.criterion, "at most 4.00 N");
   EXPECT_EQ(upper.basis, "basis");
   EXPECT_FALSE(upper.holds);
@@ -105,6 +105,7 @@ TEST(BoundClaim, RefusesTimesWithoutARow) {
 
 TEST(BoundClaim, RefusesBoundsThatCannotBeMet) {
   Scenario scenario;
+  scenario.robot = "gen3";
   scenario.duration_s = 1;
   const auto error = [&](const BoundClaim& claim) {
     return ErrorOf([&] { claim.RequireFit(scenario); });
@@ -120,6 +121,13 @@ TEST(BoundClaim, RefusesBoundsThatCannotBeMet) {
   EXPECT_EQ(error(claim), "from_s must be <= duration_s, 1, got 2");
   claim.to_s = 1;
   EXPECT_EQ(error(claim), "from_s must be <= to_s, got 2 and 1");
+  claim.from_s = 0.0201;
+  claim.to_s = 0.0205;
+  EXPECT_EQ(
+      error(claim),
+      "no row of the log, one each 1 ms, lies between from_s and to_s, got 0.0201 and 0.0205");
+  claim.from_s = 0.02;
+  EXPECT_EQ(error(claim), "no error");
 }
 
 }  // namespace

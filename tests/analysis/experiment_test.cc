@@ -92,7 +92,10 @@ TEST(ExperimentFile, RefusesClaimsAboutWhatIsNotThere) {
     return ErrorWith(
         Claimed("!Bound {" + kStated + ", basis: b, run: full, most: 1, signal: " + more + "}"));
   };
-  EXPECT_EQ(bound("control.pose_error"), "no error");
+  EXPECT_EQ(bound("control.pose_error"),
+            "e.yaml: claim 'a': the elements of control.pose_error are in [rad] and in [m]; name "
+            "elements of one unit");
+  EXPECT_EQ(bound("control.pose_error, elements: [x, y, z]"), "no error");
   EXPECT_EQ(bound("push_1.force, elements: ['force[x]']"), "no error");
   EXPECT_EQ(
       bound("push_1.force"),
@@ -114,6 +117,35 @@ TEST(ExperimentFile, RefusesClaimsAboutWhatIsNotThere) {
   EXPECT_EQ(
       ErrorWith(Claimed("!YieldsAsInertia {" + kStated + ", run: full}"), {{"environment", "[]"}}),
       "e.yaml: claim 'a': there is no !Push in the environment of its run");
+}
+
+TEST(ExperimentFile, RefusesLogsThatAreTooCoarseForItsClaims) {
+  const auto coarse = [](const std::string& claim) {
+    return ErrorWith(Claimed(claim), {{"log_period", "10 ms"}});
+  };
+  const std::string too_coarse =
+      "e.yaml: claim 'a': log_period must be <= 1 ms, the controller's period, got 10 ms";
+  for (const char* claim : {"!StandsStill", "!HoldsTool", "!YieldsAsInertia"})
+    EXPECT_EQ(coarse(std::string(claim) + " {" + kStated + ", run: full}"), too_coarse);
+  EXPECT_EQ(coarse("!KeepsLimits {" + kStated + "}"), too_coarse);
+}
+
+TEST(ExperimentFile, RefusesToSetWhatARunSets) {
+  EXPECT_EQ(ErrorWith("", {{"controller.pose.compliance", "0.5"}}),
+            "--set controller.pose.compliance=0.5: run 'full' sets it too, and would have its way");
+}
+
+TEST(ExperimentFile, RefusesRunsOfDifferentRobots) {
+  EXPECT_EQ(ErrorWith("", {{"runs.0.set", "{robot: gen3_bota}"}}),
+            "e.yaml: run 'stiff': all runs of an experiment have one robot");
+}
+
+TEST(ExperimentFile, SaysThatAControllerIsMissing) {
+  std::string text = kShort;
+  const std::string controller = "controller: !Compliance {tool: tool_frame}\n";
+  text.erase(text.find(controller), controller.size());
+  EXPECT_EQ(ErrorOf([&] { ExperimentFile::ReadText(text, "e.yaml"); }),
+            "e.yaml:1:1: 'controller' is missing");
 }
 
 // What one run has and another has not.

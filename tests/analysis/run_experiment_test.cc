@@ -150,6 +150,21 @@ TEST(RunExperiment, SaysWhyARunCouldNotGoOnAndKeepsWhatItHas) {
   EXPECT_FALSE(run.whole);
 }
 
+TEST(RunExperiment, TakesAwayLogsThatWouldPassForItsOwn) {
+  const TemporaryDirectory out;
+  RunExperiment(Short(), {.out = out.path(), .repeat = 2});
+  const fs::path folder = out.path() / "logs";
+  for (const char* other : {"stiff-.mcap", "stiff-1a.mcap", "stiff-1.txt", "stiffer-1.mcap"})
+    std::ofstream(folder / other) << "of somebody else";
+  const auto logs = RunExperiment(Short(), {.out = out.path(), .force = true});
+  EXPECT_EQ(ReadRuns(logs).size(), 2u);
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder)) names.push_back(entry.path().filename());
+  EXPECT_THAT(names,
+              testing::UnorderedElementsAre("stiff.mcap", "full.mcap", "stiff-.mcap",
+                                            "stiff-1a.mcap", "stiff-1.txt", "stiffer-1.mcap"));
+}
+
 TEST(ReadRuns, OrdersLogsAsTheExperimentDoes) {
   const TemporaryDirectory out;
   const auto logs = RunExperiment(Short(), {.out = out.path(), .repeat = 2});
@@ -221,7 +236,7 @@ TEST(ReportOf, HoldsAClaimOnlyIfItHoldsInEveryRepetition) {
 
   // A bound between what the two repetitions measured.
   const auto last = [&](std::size_t i) {
-    return std::abs(runs[i].log["arm.measured_position"]["joint_1"].tail<1>()(0));
+    return runs[i].log["arm.measured_position"]["joint_1"].tail<1>()(0);
   };
   bound.most = (last(0) + last(2)) / 2;
   file.experiment.claims = {bound};

@@ -105,9 +105,10 @@ class Interruption(InFolder):
 
     def test_ends_with_3_when_the_disk_is_full_and_at_once(self):
         self.write("arm.yaml", self.scenario +
-                   "runs:\n  - {name: short, title: s, set: {duration_s: 0.3}}\n  - {name: long, title: l}\n")
+                   "runs:\n  - {name: short, title: s, set: {duration_s: 0.3}}\n"
+                   "  - {name: long, title: l, set: {duration_s: 1e5}}\n")
         room = 2000000  # bytes, for each file
-        done = self.pliant("run", "arm.yaml", *LONG, "--out", "out", timeout=20,
+        done = self.pliant("run", "arm.yaml", "--out", "out", timeout=20,
                            preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (room, room)))
         self.assertEqual(done.returncode, 3, done.stderr)
         self.assertRegex(done.stderr, r"\npliant: out/logs/long.mcap: cannot write out/logs/long.mcap: File too large\n"

@@ -29,7 +29,7 @@ TEST(ModeSchedule, RefusesTimesThatDoNotGrow) {
   };
   EXPECT_EQ(error(1, 1), "each mode begins after the one before it, got 1 s behind 1 s");
   EXPECT_EQ(error(2, 1), "each mode begins after the one before it, got 1 s behind 2 s");
-  EXPECT_EQ(error(-1, 1), "a mode: at_s must be >= 0 s, got -1");
+  EXPECT_EQ(error(-1, 1), "a mode: at_s must be from 0 to 1000000 s, got -1");
 }
 
 }  // namespace

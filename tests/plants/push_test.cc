@@ -68,7 +68,8 @@ TEST(Push, RefusesWhatIsNoPush) {
   EXPECT_EQ(error([](O& o) { o.duration_s = 0.3; }),
             "duration_s must be >= 2 edge_s = 0.4, got 0.3");
   EXPECT_EQ(error([](O& o) { o.force(1) = HUGE_VAL; }), "force must be finite, got   3 inf  12");
-  EXPECT_EQ(error([](O& o) { o.start_s = NAN; }), "start_s must be finite s, got nan");
+  EXPECT_EQ(error([](O& o) { o.start_s = NAN; }),
+            "start_s must be from -1000000 to 1000000 s, got nan");
 }
 
 TEST(ContactTorque, IsTheSumOfJacobiansTransposedTimesForces) {
