@@ -17,6 +17,9 @@ namespace pliant {
 /// every 10 s, and one at the end of each run.
 class ProgressLine {
  public:
+  explicit ProgressLine(std::FILE* out = stderr) : ProgressLine(out, isatty(fileno(out)) != 0) {}
+  ProgressLine(std::FILE* out, bool terminal) : out_{out}, terminal_{terminal} {}
+
   void operator()(const std::string& title, double done_s, double total_s, double wall_s) {
     const auto now = std::chrono::steady_clock::now();
     const bool end = done_s >= total_s;
@@ -30,21 +33,22 @@ class ProgressLine {
     // As many blanks as letters are short of it, not bytes.
     const auto letters = std::ranges::count_if(phase, [](char c) { return (c & 0xC0) != 0x80; });
     const int blanks = static_cast<int>(std::max<std::ptrdiff_t>(0, 28 - letters));
-    std::fprintf(stderr, "%s%s%*s %6.*f of %.*f s, %5.1f x real time", terminal_ ? "\r\033[K" : "",
+    std::fprintf(out_, "%s%s%*s %6.*f of %.*f s, %5.1f x real time", terminal_ ? "\r\033[K" : "",
                  phase.c_str(), blanks, "", digits, done_s, digits, total_s, factor);
-    if (!end && factor > 0) std::fprintf(stderr, ", %.0f s left", (total_s - done_s) / factor);
+    if (!end && factor > 0) std::fprintf(out_, ", %.0f s left", (total_s - done_s) / factor);
     open_ = terminal_ && !end;
-    if (!open_) std::fputc('\n', stderr);
-    std::fflush(stderr);
+    if (!open_) std::fputc('\n', out_);
+    std::fflush(out_);
   }
 
   /// Ends a line that would be written over: something else follows.
   void End() {
-    if (std::exchange(open_, false)) std::fputc('\n', stderr);
+    if (std::exchange(open_, false)) std::fputc('\n', out_);
   }
 
  private:
-  bool terminal_ = isatty(STDERR_FILENO) != 0;
+  std::FILE* out_;
+  bool terminal_;
   bool open_ = false;
   std::chrono::steady_clock::time_point shown_ = std::chrono::steady_clock::now();
 };

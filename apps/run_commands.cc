@@ -154,7 +154,8 @@ void AddRunOptions(CLI::App& app, Told& told) {
   app.add_option("--jobs", told.jobs, "runs at a time")
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
-  app.add_flag("--force", told.force, "write over logs and a report that are there");
+  app.add_flag("--force", told.force,
+               "write over logs and a report that are there; logs of other repetitions go");
   app.add_flag("--strict", told.strict, "exit with 1 if a claim fails");
 }
 

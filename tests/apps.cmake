@@ -3,6 +3,7 @@ pliant_test(apps/arm_address_test.cc LIBRARIES pliant::systems)
 target_sources(apps_arm_address_test PRIVATE ${PROJECT_SOURCE_DIR}/apps/arm_address.cc)
 pliant_test(apps/doctor_checks_test.cc LIBRARIES pliant::systems)
 target_sources(apps_doctor_checks_test PRIVATE ${PROJECT_SOURCE_DIR}/apps/doctor_checks.cc)
+pliant_test(apps/progress_line_test.cc LIBRARIES pliant::analysis)
 
 # The command as a user meets it.
 if(TARGET pliant)

@@ -2,7 +2,6 @@
 
 import json
 import os
-import pty
 import re
 import subprocess
 import time
@@ -253,26 +252,6 @@ class Progress(InFolder):
         line = process.stderr.readline()
         self.assertGreater(time.monotonic() - begun, 9)
         self.assertRegex(line, r"^A pushed arm +[\d.]+ of 100000\.0 s, +[\d.]+ x real time, \d+ s left\n$")
-
-    def test_is_written_over_on_a_terminal(self):
-        try:
-            ours, theirs = pty.openpty()
-        except OSError as reason:
-            self.skipTest(f"there is no terminal to write to here: {reason}")
-        process = self.start("run", "arm.yaml", "--set", "duration_s=1e5", "--out", "out", stderr=theirs)
-        os.close(theirs)
-        shown = b""
-        while shown.count(b"\r\x1b[K") < 3:
-            shown += os.read(ours, 1000)
-        process.send_signal(2)
-        self.assertEqual(process.wait(timeout=10), 130)
-        end = time.monotonic() + 5
-        while b"run.mcap" not in shown and time.monotonic() < end:
-            shown += os.read(ours, 1000)
-        os.close(ours)
-        self.assertRegex(shown.decode(), r"\A\r\x1b\[KA pushed arm +[\d.]+ of 100000\.0 s, +[\d.]+ x real time, "
-                                         r"\d+ s left\r\x1b\[K[^\n]*\r\nstopped; what was logged:\r\n"
-                                         r"  out/logs/run\.mcap\r\n")
 
 
 if __name__ == "__main__":
