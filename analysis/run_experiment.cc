@@ -103,9 +103,14 @@ class Execution {
       const bool ours = std::ranges::any_of(file_.experiment.runs, [&](const RunOf& run) {
         return name == run.name || (of == run.name + "-" && name != of);
       });
-      if (log.extension() == ".mcap" && ours &&
-          std::ranges::find(jobs_, log, &Job::log) == jobs_.end())
-        std::filesystem::remove(log);
+      if (log.extension() != ".mcap" || !ours ||
+          std::ranges::find(jobs_, log, &Job::log) != jobs_.end())
+        continue;
+      std::error_code error;
+      std::filesystem::remove(log, error);
+      if (error)
+        throw Error("cannot take away the older log " + log.string() + ": " + error.message() +
+                    "\nmove it, or give another --out");
     }
   }
 

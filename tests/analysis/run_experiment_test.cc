@@ -165,6 +165,15 @@ TEST(RunExperiment, TakesAwayLogsThatWouldPassForItsOwn) {
                                             "stiff-1a.mcap", "stiff-1.txt", "stiffer-1.mcap"));
 }
 
+TEST(RunExperiment, NamesAnOlderLogThatCannotBeTakenAway) {
+  const TemporaryDirectory out;
+  const fs::path log = out.path() / "logs/stiff-7.mcap";
+  fs::create_directories(log / "full");
+  EXPECT_EQ(ErrorOf([&] { RunExperiment(Short(), {.out = out.path(), .force = true}); }),
+            "cannot take away the older log " + log.string() +
+                ": Directory not empty\nmove it, or give another --out");
+}
+
 TEST(ReadRuns, OrdersLogsAsTheExperimentDoes) {
   const TemporaryDirectory out;
   const auto logs = RunExperiment(Short(), {.out = out.path(), .repeat = 2});
