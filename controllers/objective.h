@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <limits>
 
 #include "pliant/plants/robot_dynamics.h"
 #include "pliant/systems/signal.h"
@@ -49,11 +50,43 @@ struct AccelerationBounds {
   static constexpr Quantity quantity{"acceleration bounds", "rad/s²"};
 
   PerJoint lower, upper;
+  int priority = 1;  ///< as that of AccelerationRows
 
   template <class Visitor>
   void Fields(Visitor&& f) {
     f("lower", lower, "rad/s²");
     f("upper", upper, "rad/s²");
+    f("priority", priority, "");
+  }
+};
+
+/// lower ≤ A q̈ ≤ upper, row by row; ∓∞ where there is no bound. A is m×n, m ≤ kMaxRows. Made once
+/// at its size, then only written in place.
+struct AccelerationRows {
+  static constexpr int kMaxRows = 64;
+  using Matrix =
+      Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxRows, kMaxJoints>;
+  using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxRows, 1>;
+
+  using Space = Joints;
+  static constexpr Quantity quantity{"acceleration rows", ""};
+
+  Matrix A;
+  Vector lower, upper;
+  int priority = 1;  ///< 1, 2, …: where not all can hold, larger numbers give way first
+
+  /// Rows that bound nothing.
+  static AccelerationRows None(int rows, int joints, int priority) {
+    const Vector infinite = Vector::Constant(rows, std::numeric_limits<double>::infinity());
+    return {Matrix::Zero(rows, joints), -infinite, infinite, priority};
+  }
+
+  template <class Visitor>
+  void Fields(Visitor&& f) {
+    f("A", A, "");
+    f("lower", lower, "");
+    f("upper", upper, "");
+    f("priority", priority, "");
   }
 };
 
