@@ -50,13 +50,11 @@ struct AccelerationBounds {
   static constexpr Quantity quantity{"acceleration bounds", "rad/s²"};
 
   PerJoint lower, upper;
-  int priority = 1;  ///< as that of AccelerationRows
 
   template <class Visitor>
   void Fields(Visitor&& f) {
     f("lower", lower, "rad/s²");
     f("upper", upper, "rad/s²");
-    f("priority", priority, "");
   }
 };
 
@@ -73,7 +71,7 @@ struct AccelerationRows {
 
   Matrix A;
   Vector lower, upper;
-  int priority = 1;  ///< 1, 2, …: where not all can hold, larger numbers give way first
+  int priority = 2;  ///< 1, 2, …: where not all can hold, larger numbers give way first
 
   /// Rows that bound nothing.
   static AccelerationRows None(int rows, int joints, int priority) {

@@ -74,7 +74,7 @@ TEST(ComplianceQp, WithoutComplianceAcceleratesAsIfNothingPushed) {
       rig.SetState(Inside(arm.model, random, 0.0), random.v());
       rig.Tick(JointTorque::Zero(arm.model.joints()));
       const JointAcceleration free = rig.acceleration();
-      damped += !rig.report().conflict.empty() || rig.report().iterations > 0;
+      damped += (rig.report().bound_multiplier.array() != 0).any();
       const JointTorque tau_e = random.tau();
       rig.Tick(tau_e);
       ASSERT_LT(RelativeError(rig.acceleration(), free), kRoundOff) << arm.name << ' ' << k;
@@ -120,7 +120,10 @@ TEST(ComplianceQp, KeepsTheTorqueInsideItsLimitsWhateverPushes) {
       at_limit += (tau.array().abs() == limit.array()).any();
       if (rig.report().outcome == Outcome::Fallback) continue;
       const JointTorque asked = InverseDynamics(rig.d(), rig.acceleration()) - tau_e;  // EC (8)
-      ASSERT_LT((tau - asked).norm(), kRoundOff * (asked.norm() + tau_e.norm()));
+      const double size = (rig.d().M.cwiseAbs() * rig.acceleration().cwiseAbs()).norm();
+      // Limits that gave way leave room for 10⁻⁸ of what they are on.
+      const double part = rig.report().outcome == Outcome::Relaxed ? 1e-8 : kRoundOff;
+      ASSERT_LT((tau - asked).norm(), part * (size + asked.norm() + tau_e.norm()));
     }
     EXPECT_GT(at_limit, kProblems / 10);
   }
@@ -210,7 +213,7 @@ TEST(ComplianceQp, AnswersAreStationaryAndFeasible) {
       const double slack = 1e-9 * (1 + a.cwiseAbs().maxCoeff());
       ASSERT_TRUE((a.array() <= bounds.upper.array() + slack).all());
       ASSERT_TRUE((a.array() >= bounds.lower.array() - slack).all());
-      ASSERT_EQ(rig.report().slack, PerJoint::Zero(n));
+      ASSERT_EQ(rig.report().bound_slack, PerJoint::Zero(n));
     }
     EXPECT_GT(solved, kProblems / 2) << arm.name;
     EXPECT_GT(active, solved) << arm.name << ": limits were to be active";
@@ -238,15 +241,15 @@ TEST(ComplianceQp, RelaxesBoundsThatContradictTorqueLimitsByNoMoreThanItMust) {
     if (report.outcome != Outcome::Relaxed) continue;
     ++relaxed;
     const AccelerationBounds bounds = rig.sim->Get(rig.damper->bounds);
-    ASSERT_FALSE(report.conflict.empty());
+    ASSERT_EQ(report.relaxed_priority, 1);
     ASSERT_TRUE((rig.torque().array().abs() <= limit.array()).all());
     const double excess = Excess(rig.acceleration(), bounds);
-    ASSERT_NEAR(report.slack.squaredNorm(), excess, 1e-12 * excess);
+    ASSERT_NEAR(report.bound_slack.squaredNorm(), excess, 1e-12 * excess);
     for (int other = 0; other < 100; ++other) {
       JointTorque tau = limit.cwiseProduct(random.Uniform(1.0));
       if (other == 0) tau = rig.torque() * (1 - 1e-3);
       const JointAcceleration a = ForwardDynamics(rig.d(), tau, tau_e);
-      ASSERT_GT(Excess(a, bounds), excess * (1 - 1e-3));  // ρ is 10⁴ of what tasks weigh
+      ASSERT_GT(Excess(a, bounds), excess * (1 - 1e-3));  // a slack weighs 10⁶
     }
   }
   EXPECT_GT(relaxed, 50);
@@ -265,10 +268,9 @@ TEST(ComplianceQp, MeetsContradictingBoundsHalfWay) {
   ASSERT_GT(gap, 0);
   EXPECT_EQ(rig.report().outcome, Outcome::Relaxed);
   EXPECT_EQ(rig.report().status, QpStatus::Infeasible);
-  ASSERT_EQ(rig.report().conflict.size(), 2);
-  EXPECT_EQ(rig.report().conflict[0].index, 3);
-  EXPECT_EQ(rig.report().conflict[0].kind, QpLimit::Kind::Bound);
-  EXPECT_NEAR(rig.report().slack(3), gap / 2, 1e-3 * gap);  // ρ is 10⁴ of what tasks weigh
+  EXPECT_EQ(rig.report().relaxed_priority, 1);
+  EXPECT_NEAR(rig.report().bound_slack(3), gap / 2, 1e-5 * gap);  // a slack weighs 10⁶
+  EXPECT_EQ((rig.report().bound_slack.array() > 1e-9).count(), 1);
 }
 
 TEST(ComplianceQp, FallsBackToDampedGravityCompensationWithoutASolution) {

@@ -22,8 +22,11 @@ namespace pliant {
 ///
 ///   q, q̇ ─▶ dynamics ─▶ pose, posture, damper ─▶ qp
 ///   τ̂_e ─▶ external ─▶ pose, posture;  τ̂_e ─▶ qp
+///   rows ─▶ qp
 struct ComplianceRig {
-  ComplianceRig(const RobotModel& m, const std::string& tool, bool damped = true) : model{m} {
+  ComplianceRig(const RobotModel& m, const std::string& tool, bool damped = true,
+                const std::vector<AccelerationRows>& all_rows = {})
+      : model{m} {
     const Joints& joints = m.joints();
     DiagramBuilder b;
     q = &b.Add<Constant<JointPosition>>("q",
@@ -45,7 +48,14 @@ struct ComplianceRig {
                                               .stiffness = PerJoint::Constant(m.size(), 1),
                                               .damping = PerJoint::Constant(m.size(), 5)});
     damper = &b.Add<JointDamper>("damper", {.model = m});
-    qp = &b.Add<ComplianceQp>("qp", {.model = m, .period = 1ms});
+    int count = 0;
+    for (const AccelerationRows& r : all_rows) count += static_cast<int>(r.lower.size());
+    qp = &b.Add<ComplianceQp>("qp", {.model = m, .period = 1ms, .rows = count});
+    for (const AccelerationRows& r : all_rows) {
+      rows.push_back(&b.Add<Constant<AccelerationRows>>("rows_" + std::to_string(rows.size()),
+                                                        {.space = joints, .value = r}));
+      b.Connect(rows.back()->y, qp->rows);
+    }
     b.Connect(q->y, dynamics->position);
     b.Connect(v->y, dynamics->velocity);
     b.Connect(dynamics->dynamics, external->dynamics);
@@ -94,6 +104,7 @@ struct ComplianceRig {
   PostureTask* posture;
   JointDamper* damper;
   ComplianceQp* qp;
+  std::vector<Constant<AccelerationRows>*> rows;
   std::unique_ptr<Diagram> diagram;
   std::unique_ptr<Simulator> sim;
 };
