@@ -1,5 +1,6 @@
 #include "pliant/controllers/joint_damper.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -7,10 +8,12 @@ namespace pliant {
 
 namespace {
 
+PerJoint RangeOf(const RobotModel& m) { return m.upper_limit() - m.lower_limit(); }
+
 PerJoint Margin(const JointDamper::Options& o) {
-  const PerJoint range = o.model.upper_limit() - o.model.lower_limit();
   // a continuous joint has an infinite range and no limit to keep away from
-  return range.unaryExpr([&](double r) { return std::isfinite(r) ? o.safety_distance * r : 0; });
+  return RangeOf(o.model).unaryExpr(
+      [&](double r) { return std::isfinite(r) ? o.safety_distance * r : 0; });
 }
 
 }  // namespace
@@ -22,20 +25,45 @@ JointDamper::JointDamper(const Options& o)
              o.model.joints(),
              {PerJoint::Constant(o.model.size(), -std::numeric_limits<double>::infinity()),
               PerJoint::Constant(o.model.size(), std::numeric_limits<double>::infinity())}},
-      lambda_{o.rate},
-      M_{o.damping_ratio},
+      law_{o.rate, o.damping_ratio},
+      xi_{o.approach_speed},
+      step_{o.step_s},
       lower_{o.model.lower_limit() + Margin(o)},
       upper_{o.model.upper_limit() - Margin(o)},
-      speed_{o.velocity_fraction * o.model.velocity_limit()} {
+      speed_{o.velocity_fraction * o.model.velocity_limit()},
+      influence_{(o.influence_distance - o.safety_distance) * RangeOf(o.model)} {
   RequireInRange("", o);
-  Compute(bounds).From(dynamics).As(&JointDamper::Bound);
+  if (o.form == Form::Proposed) {
+    Compute(bounds).From(dynamics).As(&JointDamper::Bound);
+  } else {
+    Require(o.influence_distance > o.safety_distance,
+            "influence_distance must be > safety_distance, " + Text(o.safety_distance),
+            o.influence_distance);
+    Compute(bounds).From(dynamics).As(&JointDamper::BoundClassically);
+  }
 }
 
 void JointDamper::Bound(AccelerationBounds& out, const RobotDynamics& d) const {
-  const double stiffness = lambda_ * lambda_ / (4 * M_ * M_);
   // ë = −q̈ above and q̈ below, so ë ≥ max(ë_p, ë_v) bounds q̈ from both sides.
-  out.upper = (-lambda_ * d.v + stiffness * (upper_ - d.q)).cwiseMin(lambda_ * (speed_ - d.v));
-  out.lower = (-lambda_ * d.v + stiffness * (lower_ - d.q)).cwiseMax(-lambda_ * (speed_ + d.v));
+  for (int i = 0; i < d.q.size(); ++i) {
+    out.upper(i) =
+        std::min(-law_.Least(upper_(i) - d.q(i), -d.v(i)), law_.rate * (speed_(i) - d.v(i)));
+    out.lower(i) =
+        std::max(law_.Least(d.q(i) - lower_(i), d.v(i)), -law_.rate * (speed_(i) + d.v(i)));
+  }
+}
+
+void JointDamper::BoundClassically(AccelerationBounds& out, const RobotDynamics& d) const {
+  const auto least = [this](double room, double influence, double edot) {
+    return room < influence ? -(edot + xi_ * room / influence) / step_
+                            : -std::numeric_limits<double>::infinity();
+  };
+  for (int i = 0; i < d.q.size(); ++i) {
+    out.upper(i) =
+        std::min(-least(upper_(i) - d.q(i), influence_(i), -d.v(i)), (speed_(i) - d.v(i)) / step_);
+    out.lower(i) =
+        std::max(least(d.q(i) - lower_(i), influence_(i), d.v(i)), -(speed_(i) + d.v(i)) / step_);
+  }
 }
 
 }  // namespace pliant

@@ -1,6 +1,10 @@
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "pliant/controllers/objective.h"
+#include "pliant/controllers/velocity_damper.h"
 #include "pliant/systems/block.h"
 #include "pliant/systems/parameter.h"
 
@@ -19,16 +23,32 @@ namespace pliant {
 /// joints have no position limit. Further than 4M² q̇⁺/λ outside of a limit ë_p asks for more speed
 /// than ë_v of the other end allows: there lower > upper.
 ///
+/// The classical form, for comparison, depends on the sample δt and begins at the distance d_i:
+///
+///   ë_p = −(ė − ė_d)/δt,   ė_d = −ξ (e − d_s)/(d_i − d_s),   where e < d_i             (EC 15, 17)
+///   ë_v = −(ė − ė_min)/δt                                                                (EC 18)
+///
 /// Source: Celerier et al. 2025 (EC); λ = 100 1/s, M = 2, d_s = 1 % of the range as recommended
-/// there.
+/// there. Classical: Vaillant et al., Autonomous Robots 40(3), 2016; d_i, ξ as in mc_rtc.
 class JointDamper final : public Block {
  public:
+  enum class Form { Proposed, Classical };
+
+  friend const std::vector<std::string>& Words(Form) {
+    static const std::vector<std::string> words{"proposed", "classical"};
+    return words;
+  }
+
   struct Options {
     RobotModel model;
     double rate = 100;              ///< λ [1/s], > 0
     double damping_ratio = 2;       ///< M ≥ 1
     double safety_distance = 0.01;  ///< d_s as a fraction of a joint's range, in [0, 0.5)
     double velocity_fraction = 1;   ///< of the model's velocity limit, in (0, 1]
+    Form form = Form::Proposed;
+    double influence_distance = 0.1;  ///< d_i as a fraction of a joint's range, > safety_distance
+    double approach_speed = 0.5;      ///< ξ [rad/s], > 0
+    double step_s = 1e-3;             ///< δt, > 0
 
     template <class F>
     void Parameters(F&& f) {
@@ -38,6 +58,11 @@ class JointDamper final : public Block {
         Range{.least = 0, .most = 0.5, .without_most = true});
       f("velocity_fraction", velocity_fraction, "",
         Range{.least = 0, .most = 1, .without_least = true});
+      f("form", form);
+      f("influence_distance", influence_distance, "",
+        Range{.least = 0, .most = 1, .without_least = true});
+      f("approach_speed", approach_speed, "rad/s", kPositive);
+      f("step_s", step_s, "s", kPositive);
     }
   };
 
@@ -48,9 +73,12 @@ class JointDamper final : public Block {
 
  private:
   void Bound(AccelerationBounds& out, const RobotDynamics& d) const;
+  void BoundClassically(AccelerationBounds& out, const RobotDynamics& d) const;
 
-  const double lambda_, M_;
+  const VelocityDamper law_;
+  const double xi_, step_;
   const PerJoint lower_, upper_, speed_;  // with d_s taken off; ∓∞ for continuous joints
+  const PerJoint influence_;              // d_i − d_s; ∞ for continuous joints
 };
 
 }  // namespace pliant

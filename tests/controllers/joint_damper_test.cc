@@ -136,6 +136,41 @@ TEST(JointDamper, AsksForTheImpossibleOnlyFarOutsideOfALimit) {
     }
 }
 
+TEST(JointDamper, BoundsClassicallyAsTheFormulasSay) {
+  const RobotModel m = Gen3();
+  RandomStates random(m, 42);
+  BlockTester<JointDamper> t({.model = m,
+                              .safety_distance = 0.01,
+                              .form = JointDamper::Form::Classical,
+                              .influence_distance = 0.1,
+                              .approach_speed = 0.5,
+                              .step_s = 2e-3});
+  int near = 0;
+  for (int k = 0; k < 1000; ++k) {
+    const JointPosition q = random.q();
+    const JointVelocity v = random.v();
+    t.Set(t->dynamics, At(m, q, v));
+    const AccelerationBounds bounds = t.Get(t->bounds);
+    for (int i = 0; i < m.size(); ++i) {
+      const Joint& j = m.joint(i);
+      const double d_s = 0.01 * (j.upper - j.lower), d_i = 0.1 * (j.upper - j.lower);
+      // ë ≥ max(ë_p, ë_v), EC (15), (17), (18), (19)
+      const auto least = [&](double e, double edot) {
+        const double velocity = -(edot - -j.velocity) / 2e-3;
+        if (j.type == Joint::Type::Continuous || e >= d_i) return velocity;
+        ++near;
+        const double edot_d = -0.5 * (e - d_s) / (d_i - d_s);
+        return std::max(-(edot - edot_d) / 2e-3, velocity);
+      };
+      const double upper = -least(j.upper - q(i), -v(i));
+      const double lower = least(q(i) - j.lower, v(i));
+      EXPECT_NEAR(bounds.upper(i), upper, 1e-11 * (1 + std::abs(upper)));
+      EXPECT_NEAR(bounds.lower(i), lower, 1e-11 * (1 + std::abs(lower)));
+    }
+  }
+  EXPECT_GT(near, 500);
+}
+
 TEST(JointDamper, RefusesOptionsThatDoNotDamp) {
   const RobotModel m = Gen3();
   const auto error = [&](JointDamper::Options o) {
@@ -147,6 +182,13 @@ TEST(JointDamper, RefusesOptionsThatDoNotDamp) {
             "safety_distance must be from 0 to below 0.5, got 0.5");
   EXPECT_EQ(error({.model = m, .velocity_fraction = 0}),
             "velocity_fraction must be above 0 to 1, got 0");
+  EXPECT_EQ(error({.model = m,
+                   .safety_distance = 0.1,
+                   .form = JointDamper::Form::Classical,
+                   .influence_distance = 0.1}),
+            "influence_distance must be > safety_distance, 0.1, got 0.1");
+  EXPECT_EQ(error({.model = m, .approach_speed = 0}), "approach_speed must be > 0 rad/s, got 0");
+  EXPECT_EQ(error({.model = m, .step_s = 0}), "step_s must be > 0 s, got 0");
 }
 
 }  // namespace

@@ -1,0 +1,32 @@
+#include "pliant/controllers/force_limit.h"
+
+#include <limits>
+
+namespace pliant {
+
+ForceLimit::ForceLimit(const Options& o)
+    : dynamics{this, "dynamics", o.model.joints()},
+      contact{this, "contact"},
+      rows{this, "rows", o.model.joints(), AccelerationRows::None(1, o.model.size(), o.priority)},
+      o_{o},
+      link_{o.model.link_index(o.frame)} {
+  RequireInRange("", o);
+  Compute(rows).From(dynamics, contact).As(&ForceLimit::Limit);
+}
+
+void ForceLimit::Limit(AccelerationRows& out, const RobotDynamics& d, const Wrench& W) const {
+  const FrameDynamics at = PointDynamics(o_.model, d, link_, {0, 0, 0});
+  const Eigen::Vector3d F = at.pose.rotation * W.tail<3>();
+  const double size = F.norm();
+  if (size == 0) {
+    out.A.setZero();
+    out.lower(0) = -std::numeric_limits<double>::infinity();
+    return;
+  }
+  const Eigen::Vector3d u = F / size;
+  out.A.row(0).noalias() = u.transpose().lazyProduct(at.J.bottomRows<3>());
+  out.lower(0) = o_.damper.Least((o_.force - size) / o_.stiffness, u.dot(at.twist.tail<3>())) -
+                 u.dot(at.Jdot_v.tail<3>());
+}
+
+}  // namespace pliant
