@@ -43,10 +43,11 @@ ComplianceControl::ComplianceControl(const Options& o)
 
   auto& dynamics = Add<ModelDynamics>(
       "dynamics", {.model = o.model, .frames = frames, .rotor_inertia = o.rotor_inertia});
-  auto& link_dynamics = Add<ModelDynamics>("link_dynamics", {.model = o.model});
-  auto& observer = Add<MomentumObserver>(
-      "observer",
-      {.joints = joints, .gain = PerJoint::Constant(n, o.observer_gain), .period = o.period});
+  auto& observer =
+      Add<MomentumObserver>("observer", {.joints = joints,
+                                         .gain = PerJoint::Constant(n, o.observer_gain),
+                                         .period = o.period,
+                                         .rotor_inertia = o.rotor_inertia});
   auto& external = Add<ExternalAcceleration>("external", {.joints = joints});
   auto& pose =
       Add<FrameTask>("pose", {.model = o.model,
@@ -70,9 +71,7 @@ ComplianceControl::ComplianceControl(const Options& o)
 
   Connect(measured_position, dynamics.position);
   Connect(measured_velocity, dynamics.velocity);
-  Connect(measured_position, link_dynamics.position);
-  Connect(measured_velocity, link_dynamics.velocity);
-  Connect(link_dynamics.dynamics, observer.dynamics);
+  Connect(dynamics.dynamics, observer.dynamics);
   Connect(measured_torque, observer.torque);
   Connect(dynamics.dynamics, external.dynamics);
   Connect(dynamics.dynamics, pose.dynamics);

@@ -55,7 +55,7 @@ struct TaskGains {
 ///              ─▶ observer ─▶ estimate ─▶ external acceleration, dampers ─▶ qp ─▶ torque
 ///
 /// The rotors are part of what the controller moves and gives its compliance to; the observer,
-/// which is driven by torque sensors behind the gears, sees the links alone.
+/// which is driven by torque sensors behind the gears, takes their momentum off again.
 /// Source: Celerier et al. 2025 (EC).
 class ComplianceControl final : public Composite {
  public:

@@ -16,13 +16,19 @@ namespace pliant {
 /// with β̄ the mean of its values at the two ends and τ_k the torque that acted between them. Sums
 /// of p_k − p_{k−1} telescope, so nothing drifts. r_0 = 0.
 ///
+/// Torque sensors behind the gears do not feel what turns the rotors. Where `dynamics` holds
+/// M + diag(B) all the same, the momentum that belongs to τ is that of the links alone,
+///
+///   p = (M + diag(B)) q̇ − B ∘ q̇
+///
 /// Source: De Luca & Mattone, ICRA 2005; Celerier et al. 2025 (25).
 class MomentumObserver final : public Block {
  public:
   struct Options {
     Joints joints;
-    PerJoint gain;    ///< K [1/s], each > 0
-    Duration period;  ///< h
+    PerJoint gain;                ///< K [1/s], each > 0
+    Duration period;              ///< h
+    PerJoint rotor_inertia = {};  ///< B in `dynamics` but not in τ [kg·m²], each ≥ 0; empty: none
   };
 
   /// What it remembers from one tick to the next.
@@ -31,7 +37,7 @@ class MomentumObserver final : public Block {
     static constexpr Quantity quantity{"momentum observer memory", ""};
 
     JointTorque r;     ///< the residual
-    JointMomentum p;   ///< M q̇
+    JointMomentum p;   ///< of the links
     JointTorque beta;  ///< Cᵀ q̇ − g
     bool started = false;
 
@@ -54,6 +60,7 @@ class MomentumObserver final : public Block {
   Memory Next(const Memory& last, const RobotDynamics& d, const JointTorque& tau) const;
 
   const PerJoint decay_;  // e^{−K h}
+  const PerJoint B_;
   const double h_;
   Output<Memory> memory_;
 };

@@ -21,6 +21,7 @@ SuperTwistingObserver::SuperTwistingObserver(const Options& o)
       residual{this, "residual", o.joints},
       k1_{1.5 * o.rate.cwiseSqrt()},
       k3_{1.1 * o.rate},
+      B_{EachInRangeOr0("rotor_inertia", o.rotor_inertia, "kg·m²", kNotNegative, o.joints)},
       h_{seconds(o.period)},
       memory_{this, "memory", o.joints, Blank(o.joints)} {
   RequireEachInRange("rate", o.rate, "N·m/s", kPositive, o.joints);
@@ -31,7 +32,8 @@ SuperTwistingObserver::SuperTwistingObserver(const Options& o)
 SuperTwistingObserver::Memory SuperTwistingObserver::Next(const Memory& last,
                                                           const RobotDynamics& d,
                                                           const JointTorque& tau) const {
-  Memory now{last.sigma, last.s, d.p, d.coriolis_transposed - d.gravity, true};
+  Memory now{last.sigma, last.s, d.p - B_.cwiseProduct(d.v), d.coriolis_transposed - d.gravity,
+             true};
   if (!last.started) return now;
   const PerJoint h_tau_e = now.p - last.p - h_ * (tau + 0.5 * (now.beta + last.beta));
   for (Eigen::Index j = 0; j < h_tau_e.size(); ++j) {

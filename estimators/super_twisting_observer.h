@@ -18,6 +18,9 @@ namespace pliant {
 ///   else:          |s_k|^½ = ½ (−h k₁ + √(h² k₁² + 4 (|b| − h² k₃))),   sgn(s_k) = sgn(b)
 ///                  σ_k = σ_{k−1} + h k₃ sgn(b)
 ///
+/// Where `dynamics` holds M + diag(B) though torque sensors behind the gears do not feel the
+/// rotors, p = (M + diag(B)) q̇ − B ∘ q̇, as in MomentumObserver.
+///
 /// So once s is 0 it stays 0, and σ_k = τ̄_k, as long as τ̄ changes by no more than h k₃ in a
 /// sample. Noise of p is not filtered beyond that: L is to be no larger than torques ask for.
 ///
@@ -27,8 +30,9 @@ class SuperTwistingObserver final : public Block {
  public:
   struct Options {
     Joints joints;
-    PerJoint rate;    ///< L [N·m/s], each > 0
-    Duration period;  ///< h
+    PerJoint rate;                ///< L [N·m/s], each > 0
+    Duration period;              ///< h
+    PerJoint rotor_inertia = {};  ///< B in `dynamics` but not in τ [kg·m²], each ≥ 0; empty: none
   };
 
   /// What it remembers from one tick to the next.
@@ -38,7 +42,7 @@ class SuperTwistingObserver final : public Block {
 
     JointTorque sigma;  ///< σ
     JointMomentum s;    ///< p − p̂
-    JointMomentum p;    ///< M q̇
+    JointMomentum p;    ///< of the links
     JointTorque beta;   ///< Cᵀ q̇ − g
     bool started = false;
 
@@ -62,6 +66,7 @@ class SuperTwistingObserver final : public Block {
   Memory Next(const Memory& last, const RobotDynamics& d, const JointTorque& tau) const;
 
   const PerJoint k1_, k3_;
+  const PerJoint B_;
   const double h_;
   Output<Memory> memory_;
 };

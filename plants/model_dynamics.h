@@ -13,8 +13,9 @@ namespace pliant {
 ///
 ///   M + diag(B),  C v,  Cᵀ v,  g,  p = (M + diag(B)) v,  frames, Jacobians, J̇ v
 ///
-/// B is the reflected rotor inertia of each joint. Leave it empty where the torque is measured
-/// behind the gear, which is not loaded by the rotor; give it where the torque is the motor's.
+/// B is the reflected rotor inertia of each joint: give it where torques move the rotors too, as
+/// those of a controller do. Torque sensors behind the gears do not feel the rotors; observers
+/// that read them are told B and take it off again.
 class ModelDynamics final : public Block {
  public:
   struct Options {

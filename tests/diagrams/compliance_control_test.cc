@@ -74,6 +74,31 @@ TEST(ComplianceControl, YieldsWhereItIsAskedTo) {
   for (const Moved* run : {&stiff, &null_space, &full}) EXPECT_EQ(run->solved, 1000);
 }
 
+TEST(ComplianceControl, ObservesTheLinksWithoutTheirRotors) {
+  const Scenario scenario = Pushed(0, 1, TorqueEstimate::Observer);
+  ScenarioDiagram scene(scenario);
+  const RobotModel& model = StationOf(scenario).model;
+  const double gain = std::get<ComplianceControl::Options>(scenario.controller).observer_gain;
+  auto& links = scene.builder.Add<ModelDynamics>("links", {.model = model});
+  auto& observer = scene.builder.Add<MomentumObserver>(
+      "observer", {.joints = model.joints(), .gain = PerJoint::Constant(7, gain), .period = 1ms});
+  scene.builder.Connect(scene.arm->measured_position, links.position);
+  scene.builder.Connect(scene.arm->measured_velocity, links.velocity);
+  scene.builder.Connect(links.dynamics, observer.dynamics);
+  scene.builder.Connect(scene.arm->measured_torque, observer.torque);
+  const Diagram diagram = scene.builder.Build();
+  Simulator sim(diagram);
+  double largest = 0;
+  for (int k = 0; k < 600; ++k) {
+    sim.AdvanceThroughTick();
+    const PerJoint expected = sim.Get(observer.residual);
+    // round-off of p over h, filtered
+    ASSERT_LT((sim.Get(scene.control->residual) - expected).cwiseAbs().maxCoeff(), 1e-12) << k;
+    largest = std::max(largest, expected.cwiseAbs().maxCoeff());
+  }
+  EXPECT_GT(largest, 1);  // [N·m], so there was something to see
+}
+
 TEST(ComplianceControl, WithFullComplianceMovesAsWithoutAnyEstimate) {
   // EC V: Γ = I cancels the compensation of (8).
   const Moved known(Pushed(1, 1, TorqueEstimate::True));

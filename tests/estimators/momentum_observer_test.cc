@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "pliant/diagrams/simulated_arm.h"
+#include "pliant/diagrams/stations.h"
 #include "pliant/plants/model_dynamics.h"
 #include "pliant/plants/push.h"
 #include "pliant/systems/block_tester.h"
@@ -55,6 +55,37 @@ TEST(MomentumObserver, RespondsToAConstantTorqueAsAFirstOrderLag) {
   }
 }
 
+TEST(MomentumObserver, TakesRotorsOffTheMomentum) {
+  const RobotModel m = Gen3();
+  RandomStates random(m, 53);
+  const PerJoint B = random.Uniform(1).cwiseAbs();
+  BlockTester<ModelDynamics> links({.model = m}), all({.model = m, .rotor_inertia = B});
+  MomentumObserver::Options o{
+      .joints = m.joints(), .gain = PerJoint::Constant(7, 50), .period = 1ms};
+  BlockTester<MomentumObserver> of_links(o);
+  o.rotor_inertia = B;
+  BlockTester<MomentumObserver> of_all(o);
+  const auto tick = [](auto& observer, const RobotDynamics& d, const JointTorque& tau) {
+    observer.Set(observer->dynamics, d);
+    observer.Set(observer->torque, tau);
+    observer.Tick();
+    return observer.Get(observer->residual);
+  };
+  for (int k = 0; k < 100; ++k) {
+    const JointPosition q = random.q();
+    const JointVelocity v = random.v();
+    const JointTorque tau = random.tau();
+    for (auto* model : {&links, &all}) {
+      model->Set((*model)->position, q);
+      model->Set((*model)->velocity, v);
+    }
+    const PerJoint expected = tick(of_links, links.Get(links->dynamics), tau);
+    const PerJoint found = tick(of_all, all.Get(all->dynamics), tau);
+    // round-off of p, ε 10 N·m·s, over h, let through by K h
+    ASSERT_LT((found - expected).cwiseAbs().maxCoeff(), 1e-12) << k;
+  }
+}
+
 TEST(MomentumObserver, DoesNotDrift) {
   // With ṗ = τ + Cᵀ q̇ − g, errors of single samples in p cancel: their sum telescopes.
   const RobotModel m = Gen3();
@@ -75,17 +106,26 @@ TEST(MomentumObserver, DoesNotDrift) {
 
 /// The Gen3, driven by sines, as its sensors and an observer see it.
 struct Watched {
-  Watched(double gain, double damping, double amplitude, std::vector<Push::Options> pushes)
+  Watched(double gain, double damping, double amplitude, std::vector<Push::Options> pushes,
+          bool with_rotors = false)
       : model{pushes.empty() ? Gen3() : pushes.front().model} {
     const Joints& joints = model.joints();
+    const JointPosition start{0.1, 0.3, 0.2, -1.2, 0.3, 0.8, 0.1};
+    SimulatedArm::Options station{
+        .model = model, .position = start, .engine = SimbodyPlant::Engine::Recursive};
+    if (with_rotors) {
+      station = SimulatedGen3(
+          model, {.position = start, .ideal = true, .engine = SimbodyPlant::Engine::Recursive});
+      rotors = station.actuators.reflected_inertia();
+    }
+    const PerJoint gains = PerJoint::Constant(7, gain);
     DiagramBuilder b;
-    arm = &b.Add<SimulatedArm>("arm", {.model = model,
-                                       .position = {0.1, 0.3, 0.2, -1.2, 0.3, 0.8, 0.1},
-                                       .engine = SimbodyPlant::Engine::Recursive});
-    dynamics = &b.Add<ModelDynamics>("dynamics", {.model = model});
+    arm = &b.Add<SimulatedArm>("arm", station);
+    dynamics = &b.Add<ModelDynamics>("dynamics", {.model = model, .rotor_inertia = rotors});
     drive = &b.Add<Drive>("drive", damping, amplitude, joints);
     observer = &b.Add<MomentumObserver>(
-        "observer", {.joints = joints, .gain = PerJoint::Constant(7, gain), .period = 1ms});
+        "observer", {.joints = joints, .gain = gains, .period = 1ms, .rotor_inertia = rotors});
+    unaware = &b.Add<MomentumObserver>("unaware", {.joints = joints, .gain = gains, .period = 1ms});
     truth = &b.Add<ContactTorque>("truth", {.model = model});
     int i = 0;
     for (const Push::Options& o : pushes) {
@@ -99,6 +139,8 @@ struct Watched {
     b.Connect(dynamics->dynamics, observer->dynamics);
     b.Connect(dynamics->dynamics, truth->dynamics);
     b.Connect(arm->measured_torque, observer->torque);
+    b.Connect(dynamics->dynamics, unaware->dynamics);
+    b.Connect(arm->measured_torque, unaware->torque);
     b.Connect(drive->torque, arm->torque_command);
     diagram.emplace(b.Build());
     IntegratorOptions accurate{.relative_tolerance = 1e-9, .absolute_tolerance = 1e-11};
@@ -126,10 +168,11 @@ struct Watched {
   };
 
   RobotModel model;
+  PerJoint rotors = PerJoint::Zero(7);
   SimulatedArm* arm;
   ModelDynamics* dynamics;
   Drive* drive;
-  MomentumObserver* observer;
+  MomentumObserver *observer, *unaware;  // of the rotors
   ContactTorque* truth;
   std::optional<Diagram> diagram;
   std::optional<Simulator> sim;
@@ -194,6 +237,43 @@ TEST(MomentumObserver, FollowsAPushOnAMovingArm) {
   EXPECT_LE(filtered, rate * kPeriod);           // the lever arm moves within the sample
 }
 
+TEST(MomentumObserver, FindsAPushOnAnArmWithRotors) {
+  const double gain = 50, decay = std::exp(-gain * kPeriod);
+  Watched run(gain, 2, 5,
+              {{.model = Gen3(),
+                .link = "forearm_link",
+                .point = {0, 0.05, -0.1},
+                .force = {20, -40, 30},
+                .start_s = 0.3,
+                .duration_s = 0.9}},
+              true);
+  PerJoint last = PerJoint::Zero(7), u = last, v = last, expected = last;
+  double filtered = 0, unaware = 0, rate = 0, pushed = 0;
+  for (int k = 0; k < 1500; ++k) {
+    run.sim->AdvanceThroughTick();
+    const PerJoint now = run.sim->Get(run.arm->measured_velocity);
+    const PerJoint tau_e = run.sim->Get(run.truth->torque);
+    if (k > 0) {
+      rate = std::max(rate, (tau_e - last).cwiseAbs().maxCoeff() / kPeriod);
+      // The sensor reads u − B v̇ at the end of a sample; its mean is u − B Δv/h.
+      const PerJoint mean = u - run.rotors.cwiseProduct(now - v) / kPeriod;
+      const PerJoint sampled = mean - run.sim->Get(run.arm->measured_torque);
+      expected = decay * expected + (1 - decay) * (last + sampled);
+      filtered = std::max(filtered,
+                          (run.sim->Get(run.observer->residual) - expected).cwiseAbs().maxCoeff());
+      unaware =
+          std::max(unaware, (run.sim->Get(run.unaware->residual) - expected).cwiseAbs().maxCoeff());
+    }
+    pushed = std::max(pushed, tau_e.cwiseAbs().maxCoeff());
+    last = tau_e;
+    u = run.sim->Get(run.drive->torque);
+    v = now;
+  }
+  EXPECT_GT(pushed, 3);                 // [N·m]
+  EXPECT_LE(filtered, rate * kPeriod);  // the lever arm moves within the sample
+  EXPECT_GT(unaware, pushed / 3);       // B q̈ is no push
+}
+
 TEST(MomentumObserver, RefusesGainsThatAreNone) {
   const Joints joints = Joints::Numbered(2);
   const auto error = [&](const PerJoint& gain) {
@@ -201,6 +281,13 @@ TEST(MomentumObserver, RefusesGainsThatAreNone) {
   };
   EXPECT_EQ(error(PerJoint::Ones(3)), "gain has an element for each of the 2 joints, got 3");
   EXPECT_EQ(error(PerJoint::Zero(2)), "gain[joint_1] must be > 0 1/s, got 0");
+  EXPECT_EQ(ErrorOf([&] {
+              MomentumObserver o({.joints = joints,
+                                  .gain = PerJoint::Ones(2),
+                                  .period = 1ms,
+                                  .rotor_inertia = PerJoint::Constant(2, -1)});
+            }),
+            "rotor_inertia[joint_1] must be >= 0 kg·m², got -1");
 }
 
 }  // namespace

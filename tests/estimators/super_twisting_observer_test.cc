@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "pliant/plants/model_dynamics.h"
 #include "pliant/systems/block_tester.h"
 #include "pliant/tests/plants/arms.h"
 #include "pliant/tests/support/error_of.h"
@@ -96,6 +97,37 @@ TEST(SuperTwistingObserver, LetsNoiseThroughAtItsRateOnly) {
   EXPECT_GT(most, 0);
 }
 
+TEST(SuperTwistingObserver, TakesRotorsOffTheMomentum) {
+  const RobotModel m = Gen3();
+  RandomStates random(m, 54);
+  const PerJoint B = random.Uniform(1).cwiseAbs();
+  BlockTester<ModelDynamics> links({.model = m}), all({.model = m, .rotor_inertia = B});
+  // fast enough to slide from one random torque to the next: σ_k = τ̄_k
+  SuperTwistingObserver::Options o{
+      .joints = m.joints(), .rate = PerJoint::Constant(7, 1e8), .period = 1ms};
+  BlockTester<SuperTwistingObserver> of_links(o);
+  o.rotor_inertia = B;
+  BlockTester<SuperTwistingObserver> of_all(o);
+  const auto tick = [](auto& observer, const RobotDynamics& d, const JointTorque& tau) {
+    observer.Set(observer->dynamics, d);
+    observer.Set(observer->torque, tau);
+    observer.Tick();
+    return observer.Get(observer->residual);
+  };
+  for (int k = 0; k < 100; ++k) {
+    const JointPosition q = random.q();
+    const JointVelocity v = random.v();
+    const JointTorque tau = random.tau();
+    for (auto* model : {&links, &all}) {
+      model->Set((*model)->position, q);
+      model->Set((*model)->velocity, v);
+    }
+    const PerJoint expected = tick(of_links, links.Get(links->dynamics), tau);
+    const PerJoint found = tick(of_all, all.Get(all->dynamics), tau);
+    ASSERT_LT((found - expected).cwiseAbs().maxCoeff(), 1e-10) << k;  // ε 10 N·m·s / h, and sums
+  }
+}
+
 TEST(SuperTwistingObserver, RefusesRatesThatAreNone) {
   const Joints joints = Joints::Numbered(2);
   const auto error = [&](const PerJoint& rate) {
@@ -106,6 +138,13 @@ TEST(SuperTwistingObserver, RefusesRatesThatAreNone) {
   EXPECT_EQ(error(PerJoint::Zero(2)), "rate[joint_1] must be > 0 N·m/s, got 0");
   EXPECT_EQ(error(PerJoint::Constant(2, std::numeric_limits<double>::infinity())),
             "rate[joint_1] must be > 0 N·m/s, got inf");
+  EXPECT_EQ(ErrorOf([&] {
+              SuperTwistingObserver o({.joints = joints,
+                                       .rate = PerJoint::Ones(2),
+                                       .period = 1ms,
+                                       .rotor_inertia = PerJoint::Constant(2, -1)});
+            }),
+            "rotor_inertia[joint_1] must be >= 0 kg·m², got -1");
 }
 
 }  // namespace

@@ -1,0 +1,124 @@
+#include "pliant/estimators/super_twisting_fusion.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "pliant/estimators/super_twisting_observer.h"
+#include "pliant/systems/block_tester.h"
+#include "pliant/tests/plants/arms.h"
+#include "pliant/tests/support/block_laws.h"
+#include "pliant/tests/support/error_of.h"
+
+namespace pliant {
+namespace {
+
+constexpr double kPeriod = 1e-3;
+
+const Joints kJoints = Joints::Numbered(2);
+
+SuperTwistingFusion::Options Options(double L) {
+  return {.joints = kJoints, .rate = PerJoint::Constant(2, L), .period = 1ms};
+}
+
+/// An arm at rest with momentum p, for observers.
+RobotDynamics Moving(double p) {
+  RobotDynamics d;
+  d.p = PerJoint::Constant(2, p);
+  d.v = PerJoint::Constant(2, p);
+  d.coriolis_transposed = d.gravity = JointTorque::Zero(kJoints);
+  return d;
+}
+
+template <class T>
+PerJoint Tick(BlockTester<T>& t, double p, double tau) {
+  t.Set(t->dynamics, Moving(p));
+  t.Set(t->torque, PerJoint::Constant(2, tau));
+  t.Tick();
+  return t.Get(t->residual);
+}
+
+// A push that rises seventy times faster than L, seen by the sensor, and a slow one that it does
+// not see.
+TEST(SuperTwistingFusion, FollowsAFastPushAtTheSensorAndASlowOneElsewhere) {
+  const double L = 20, w = 150, a = 10, missed = kPeriod * kPeriod / 12 * a * w * w;
+  const double w_slow = 4, a_slow = (L - missed * w) / w_slow;
+  BlockTester<SuperTwistingFusion> t(Options(L));
+  BlockTester<SuperTwistingObserver> alone(
+      {.joints = kJoints, .rate = PerJoint::Constant(2, L), .period = 1ms});
+  double fused = 0, observed = 0;
+  for (int k = 0; k <= 4000; ++k) {
+    const double s = k * kPeriod, fast = a * std::sin(w * s), slow = a_slow * std::sin(w_slow * s);
+    const double p = a / w * (1 - std::cos(w * s)) + a_slow / w_slow * (1 - std::cos(w_slow * s));
+    t.Set(t->sensor_torque, PerJoint::Constant(2, fast));
+    Tick(t, p, 0);
+    const PerJoint found = t.Get(t->external_torque);
+    // the mean of a sample for its end, and the trapezoid for the mean
+    ASSERT_LE((found.array() - fast - slow).abs().maxCoeff(), 0.5 * kPeriod * L + missed + 1e-10)
+        << k;
+    fused = std::max(fused, std::abs(found(0) - fast - slow));
+    observed = std::max(observed, std::abs(Tick(alone, p, 0)(0) - fast - slow));
+  }
+  EXPECT_GT(observed, 0.5 * a) << "too fast for the observer alone";
+  EXPECT_LT(fused, 0.01 * a);
+}
+
+TEST(SuperTwistingFusion, WithoutASensorIsTheObserver) {
+  const double L = 50;
+  BlockTester<SuperTwistingFusion> t(Options(L));
+  BlockTester<SuperTwistingObserver> alone(
+      {.joints = kJoints, .rate = PerJoint::Constant(2, L), .period = 1ms});
+  RandomStates random(Gen3(), 71);
+  t.Set(t->sensor_torque, JointTorque::Zero(kJoints));
+  for (int k = 0; k < 1000; ++k) {
+    const double p = random.Uniform(0.01)(0), tau = random.Uniform(3)(0);
+    const PerJoint expected = Tick(alone, p, tau);
+    ASSERT_EQ(Tick(t, p, tau), expected) << k;
+    ASSERT_EQ(t.Get(t->external_torque), expected) << k;
+  }
+}
+
+// An offset of the sensor is part of what σ finds, in the time that L gives it.
+TEST(SuperTwistingFusion, TakesTheSensorsOffsetOff) {
+  const double L = 20, offset = 3, k3 = 1.1 * L;
+  BlockTester<SuperTwistingFusion> t(Options(L));
+  t.Set(t->sensor_torque, PerJoint::Constant(2, offset));
+  double settled = -1;
+  for (int k = 0; k <= 1000; ++k) {
+    Tick(t, 0, 0);
+    const double error = std::abs(t.Get(t->external_torque)(0));
+    if (error > 1e-12) settled = -1;
+    if (error <= 1e-12 && settled < 0) settled = k * kPeriod;
+  }
+  EXPECT_GE(settled, offset / k3);
+  EXPECT_LE(settled, 3 * offset / k3);  // as the observer of a step
+}
+
+TEST(SuperTwistingFusion, TakesRotorsOffTheMomentum) {
+  SuperTwistingFusion::Options o = Options(100);
+  o.rotor_inertia = PerJoint::Constant(2, 0.75);
+  BlockTester<SuperTwistingFusion> t(o), quarter(Options(100));
+  for (auto* each : {&t, &quarter}) each->Set((*each)->sensor_torque, JointTorque::Zero(kJoints));
+  for (int k = 0; k < 200; ++k) {
+    const double p = std::sin(0.05 * k);  // = v: M + B is 1
+    const PerJoint expected = Tick(quarter, 0.25 * p, 0);
+    ASSERT_LT((Tick(t, p, 0) - expected).norm(), 1e-11) << k;  // ε over h, and sums of it
+  }
+}
+
+TEST(SuperTwistingFusion, RefusesRatesThatAreNone) {
+  EXPECT_EQ(ErrorOf([] { SuperTwistingFusion fusion(Options(0)); }),
+            "observer: rate[joint_1] must be > 0 N·m/s, got 0");
+  SuperTwistingFusion::Options o = Options(1);
+  o.rotor_inertia = PerJoint::Ones(3);
+  EXPECT_EQ(ErrorOf([&] { SuperTwistingFusion fusion(o); }),
+            "observer: rotor_inertia has an element for each of the 2 joints, got 3");
+}
+
+TEST(SuperTwistingFusion, HoldsTheLaws) {
+  ExpectBlockLaws(BlockTester<SuperTwistingFusion>(Options(100)));
+}
+
+}  // namespace
+}  // namespace pliant
