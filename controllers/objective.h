@@ -88,7 +88,4 @@ struct AccelerationRows {
   }
 };
 
-/// Throws unless Γ is a symmetric positive semi-definite matrix of that size.
-void RequireCompliance(const Eigen::Ref<const Eigen::MatrixXd>& gamma, Eigen::Index size);
-
 }  // namespace pliant

@@ -15,12 +15,6 @@ PerJoint Checked(std::string_view name, const PerJoint& x, std::string_view unit
   return x;
 }
 
-JointMatrix CheckedCompliance(const JointMatrix& gamma, int n) {
-  if (gamma.size() == 0) return JointMatrix::Zero(n, n);
-  RequireCompliance(gamma, n);
-  return gamma;
-}
-
 }  // namespace
 
 PostureTask::PostureTask(const Options& o)
@@ -35,7 +29,7 @@ PostureTask::PostureTask(const Options& o)
       stiffness{this, "stiffness", {}, Checked("stiffness", o.stiffness, "1/s²", o.model.joints())},
       damping{this, "damping", {}, Checked("damping", o.damping, "1/s", o.model.joints())},
       weight{this, "weight", {}, o.weight},
-      compliance{this, "compliance", {}, CheckedCompliance(o.compliance, o.model.size())},
+      compliance{this, "compliance", {}, ComplianceOf<JointMatrix>(o.compliance, o.model.size())},
       error{this, "error", o.model.joints()},
       objective{this, "objective", o.model.joints(),
                 Objective::Zero(o.model.size(), o.model.size())},

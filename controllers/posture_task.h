@@ -1,5 +1,6 @@
 #pragma once
 
+#include "pliant/controllers/compliance.h"
 #include "pliant/controllers/objective.h"
 #include "pliant/systems/block.h"
 
@@ -20,7 +21,7 @@ class PostureTask final : public Block {
     PerJoint stiffness;           ///< λ₂ [1/s²], each ≥ 0
     PerJoint damping;             ///< λ₁ [1/s], each ≥ 0
     double weight = 1;            ///< w₀ > 0
-    JointMatrix compliance = {};  ///< Γ₀; empty: 0
+    JointMatrix compliance = {};  ///< Γ₀; empty: 0; a number γ: γ I; a column: the diagonal
   };
 
   explicit PostureTask(const Options& o);

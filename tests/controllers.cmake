@@ -1,5 +1,6 @@
 pliant_test(controllers/compliance_qp_limits_test.cc LIBRARIES pliant::controllers)
 pliant_test(controllers/compliance_qp_test.cc LIBRARIES pliant::controllers)
+pliant_test(controllers/compliance_test.cc LIBRARIES pliant::controllers)
 pliant_test(controllers/frame_task_test.cc LIBRARIES pliant::controllers)
 pliant_test(controllers/joint_damper_test.cc LIBRARIES pliant::controllers)
 pliant_test(controllers/pose_reference_test.cc LIBRARIES pliant::controllers)
