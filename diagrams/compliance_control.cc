@@ -1,5 +1,12 @@
 #include "pliant/diagrams/compliance_control.h"
 
+#include <algorithm>
+
+#include "pliant/controllers/external_acceleration.h"
+#include "pliant/controllers/frame_task.h"
+#include "pliant/controllers/position_reference.h"
+#include "pliant/controllers/posture_task.h"
+#include "pliant/plants/model_dynamics.h"
 #include "pliant/systems/constant.h"
 
 namespace pliant {
@@ -19,6 +26,53 @@ class PoseErrors final : public Block {
   Output<Twist> rate{this, "rate"};
 };
 
+/// The mode over time.
+class ComplianceSchedule final : public Block {
+ public:
+  struct Options {
+    SupervisedModes modes;
+    Duration period;
+  };
+
+  explicit ComplianceSchedule(const Options& o)
+      : mode{this, "mode", {}, o.modes.mode},
+        dynamic{this, "dynamic", {}, o.modes.dynamic},
+        modes_{o.modes},
+        now_{this, "now"} {
+    const std::vector<ComplianceChange>& changes = modes_.changes;
+    for (std::size_t i = 1; i < changes.size(); ++i)
+      Require(changes[i - 1].at_s < changes[i].at_s, "each mode begins after the one before it",
+              Text(changes[i].at_s) + " s behind " + Text(changes[i - 1].at_s) + " s");
+    Every(o.period).Compute(now_).From(clock).As(&ComplianceSchedule::At);
+    Compute(mode).From(now_).As([](const Now& n) { return n.mode; });
+    Compute(dynamic).From(now_).As([](const Now& n) { return n.dynamic; });
+  }
+
+  Output<ComplianceMode> mode;
+  Output<bool> dynamic;
+
+ private:
+  struct Now {
+    ComplianceMode mode = ComplianceMode::NullSpace;
+    bool dynamic = false;
+
+    template <class Visitor>
+    void Fields(Visitor&& f) {
+      f("mode", mode, "");
+      f("dynamic", dynamic, "");
+    }
+  };
+
+  Now At(double t) const {
+    const auto after = std::ranges::upper_bound(modes_.changes, t, {}, &ComplianceChange::at_s);
+    if (after == modes_.changes.begin()) return {modes_.mode, modes_.dynamic};
+    return {std::prev(after)->mode, std::prev(after)->dynamic};
+  }
+
+  const SupervisedModes modes_;
+  Output<Now> now_;
+};
+
 }  // namespace
 
 ComplianceControl::ComplianceControl(const Options& o)
@@ -26,76 +80,152 @@ ComplianceControl::ComplianceControl(const Options& o)
       measured_velocity{this, "measured_velocity", o.model.joints()},
       measured_torque{this, "measured_torque", o.model.joints()},
       true_torque{this, "true_torque", o.model.joints(), JointTorque::Zero(o.model.joints())},
+      wrench{this, "wrench", {}, Wrench()},
       torque{this, "torque", o.model.joints()},
       current{this, "current", o.model.joints()},
+      position{this, "position", o.model.joints()},
       acceleration{this, "acceleration", o.model.joints()},
+      external_torque{this, "external_torque", o.model.joints()},
       residual{this, "residual", o.model.joints()},
+      contact{this, "contact"},
+      yields{this, "yields"},
       pose_error{this, "pose_error"},
       pose_error_rate{this, "pose_error_rate"},
       posture_error{this, "posture_error", o.model.joints()},
       report{this, "report"} {
   const Joints& joints = o.model.joints();
   const int n = o.model.size();
-  const std::vector<std::string> frames{o.tool};
+  const bool open_loop = o.command == ArmCommand::Position;
   RequireOneForEach(joints, "position", o.position.size());
-  RobotDynamics start(o.model, frames);
+  RobotDynamics start(o.model, {o.tool});
   ComputeDynamics(o.model, o.position, JointVelocity::Zero(joints), start);
 
-  auto& dynamics = Add<ModelDynamics>(
-      "dynamics", {.model = o.model, .frames = frames, .rotor_inertia = o.rotor_inertia});
-  auto& observer =
-      Add<MomentumObserver>("observer", {.joints = joints,
-                                         .gain = PerJoint::Constant(n, o.observer_gain),
-                                         .period = o.period,
-                                         .rotor_inertia = o.rotor_inertia});
+  auto& dynamics =
+      Add<ModelDynamics>("dynamics", {.model = o.model, .rotor_inertia = o.rotor_inertia});
+  auto& estimate = Add<ExternalTorqueEstimate>("estimate", {.model = o.model,
+                                                            .rotor_inertia = o.rotor_inertia,
+                                                            .period = o.period,
+                                                            .estimate = o.estimate,
+                                                            .gain = o.observer_gain,
+                                                            .rate = o.observer_rate,
+                                                            .wrist = o.wrist});
   auto& external = Add<ExternalAcceleration>("external", {.joints = joints});
-  auto& pose =
-      Add<FrameTask>("pose", {.model = o.model,
-                              .frame = o.tool,
-                              .target = start.frame[0].pose,
-                              .stiffness = TaskVector::Constant(6, o.pose.stiffness),
-                              .damping = TaskVector::Constant(6, o.pose.damping),
-                              .weight = o.pose.weight,
-                              .compliance = o.pose.compliance * TaskMatrix::Identity(6, 6)});
-  auto& posture = Add<PostureTask>(
-      "posture", {.model = o.model,
-                  .target = o.position,
-                  .stiffness = PerJoint::Constant(n, o.posture.stiffness),
-                  .damping = PerJoint::Constant(n, o.posture.damping),
-                  .weight = o.posture.weight,
-                  .compliance = o.posture.compliance * JointMatrix::Identity(n, n)});
-  JointDamper::Options limits = o.damper;
-  limits.model = o.model;
-  auto& damper = Add<JointDamper>("damper", limits);
-  auto& qp = Add<ComplianceQp>("qp", {.model = o.model, .period = o.period});
+  auto& pose = Add<FrameTask>("pose", {.model = o.model,
+                                       .frame = o.tool,
+                                       .target = start.frame[0].pose,
+                                       .stiffness = TaskVector::Constant(6, o.pose.stiffness),
+                                       .damping = TaskVector::Constant(6, o.pose.damping),
+                                       .weight = o.pose.weight,
+                                       .compliance = o.pose.compliance,
+                                       .mobility = o.pose.mobility,
+                                       .compliance_axes = o.pose.compliance_axes});
+  auto& posture =
+      Add<PostureTask>("posture", {.model = o.model,
+                                   .target = o.position,
+                                   .stiffness = PerJoint::Constant(n, o.posture.stiffness),
+                                   .damping = PerJoint::Constant(n, o.posture.damping),
+                                   .weight = o.posture.weight,
+                                   .compliance = o.posture.compliance});
+  JointDamper::Options joint_limits = o.damper;
+  joint_limits.model = o.model;
+  auto& damper = Add<JointDamper>("damper", joint_limits);
 
-  Connect(measured_position, dynamics.position);
-  Connect(measured_velocity, dynamics.velocity);
-  Connect(dynamics.dynamics, observer.dynamics);
-  Connect(measured_torque, observer.torque);
+  // Everything that adds rows, and how many.
+  std::vector<const Output<AccelerationRows>*> rows;
+  int row_count = 0;
+  const auto add_limit = [&]<class Limit>(const std::string& name, typename Limit::Options options,
+                                          int count, std::type_identity<Limit>) -> Limit& {
+    options.model = o.model;
+    auto& limit = Add<Limit>(name, options);
+    Connect(dynamics.dynamics, limit.dynamics);
+    rows.push_back(&limit.rows);
+    row_count += count;
+    return limit;
+  };
+  for (std::size_t i = 0; i < o.workspace.size(); ++i)
+    add_limit("workspace_" + std::to_string(i + 1), o.workspace[i],
+              static_cast<int>(o.workspace[i].planes.size()),
+              std::type_identity<WorkspacePlanes>{});
+  if (o.speed_limit)
+    add_limit("speed_limit", *o.speed_limit, FrameSpeedLimit::kRows,
+              std::type_identity<FrameSpeedLimit>{});
+  if (o.force_limit) {
+    Require(o.wrist && o.wrist->frame == o.force_limit->frame,
+            "force_limit.frame must be the frame of a wrist sensor" +
+                (o.wrist ? ", '" + o.wrist->frame + "'" : "; this robot has none"),
+            "'" + o.force_limit->frame + "'");
+    Connect(estimate.contact,
+            add_limit("force_limit", *o.force_limit, 1, std::type_identity<ForceLimit>{}).contact);
+  }
+  auto& qp = Add<ComplianceQp>("qp", {.model = o.model, .period = o.period, .rows = row_count});
+
+  if (open_loop) {
+    auto& measured = Add<ModelDynamics>("measured_dynamics",
+                                        {.model = o.model, .rotor_inertia = o.rotor_inertia});
+    auto& reference = Add<PositionReference>(
+        "reference", {.joints = joints, .start = o.position, .period = o.period});
+    Connect(measured_position, measured.position);
+    Connect(measured_velocity, measured.velocity);
+    Connect(measured.dynamics, estimate.dynamics);
+    Connect(qp.acceleration, reference.acceleration);
+    Connect(reference.position, dynamics.position);
+    Connect(reference.velocity, dynamics.velocity);
+    Connect(reference.position, position);
+  } else {
+    Connect(measured_position, dynamics.position);
+    Connect(measured_velocity, dynamics.velocity);
+    Connect(dynamics.dynamics, estimate.dynamics);
+    Connect(measured_position, position);
+  }
+  Connect(measured_torque, estimate.torque);
+  Connect(true_torque, estimate.true_torque);
+  Connect(wrench, estimate.wrench);
   Connect(dynamics.dynamics, external.dynamics);
   Connect(dynamics.dynamics, pose.dynamics);
   Connect(dynamics.dynamics, posture.dynamics);
   Connect(dynamics.dynamics, damper.dynamics);
   Connect(dynamics.dynamics, qp.dynamics);
   if (o.estimate != TorqueEstimate::Zero) {
-    const auto estimate_from = [&](const auto& estimate) {
-      Connect(estimate, external.external_torque);
-      Connect(estimate, qp.external_torque);
-    };
-    if (o.estimate == TorqueEstimate::True)
-      estimate_from(true_torque);
-    else
-      estimate_from(observer.residual);
+    Connect(estimate.external_torque, external.external_torque);
+    Connect(estimate.external_torque, qp.external_torque);
     Connect(external.acceleration, pose.external_acceleration);
     Connect(external.acceleration, posture.external_acceleration);
   }
   Connect(pose.objective, qp.objectives);
   Connect(posture.objective, qp.objectives);
   Connect(damper.bounds, qp.bounds);
+  for (const Output<AccelerationRows>* limit : rows) Connect(*limit, qp.rows);
+
+  if (o.modes) {
+    auto& schedule = Add<ComplianceSchedule>("schedule", {.modes = *o.modes, .period = o.period});
+    ComplianceSupervisor::Options modes = o.modes->supervisor;
+    modes.joints = n;
+    modes.period = o.period;
+    auto& supervisor = Add<ComplianceSupervisor>("supervisor", modes);
+    Connect(schedule.mode, supervisor.mode);
+    Connect(schedule.dynamic, supervisor.dynamic);
+    Connect(estimate.contact, supervisor.contact);
+    Connect(pose.frame, supervisor.tool);
+    Connect(supervisor.target, pose.target);
+    Connect(supervisor.target_twist, pose.target_twist);
+    Connect(supervisor.target_acceleration, pose.target_acceleration);
+    Connect(supervisor.pose_stiffness, pose.stiffness);
+    Connect(supervisor.pose_damping, pose.damping);
+    Connect(supervisor.pose_compliance, pose.compliance);
+    Connect(supervisor.posture_stiffness, posture.stiffness);
+    Connect(supervisor.posture_damping, posture.damping);
+    Connect(supervisor.posture_compliance, posture.compliance);
+    Connect(supervisor.yields, yields);
+  } else {
+    auto& never = Add<Constant<bool>>("yields", {.value = false});
+    Connect(never.y, yields);
+  }
+
   Connect(qp.torque, torque);
   Connect(qp.acceleration, acceleration);
-  Connect(observer.residual, residual);
+  Connect(estimate.external_torque, external_torque);
+  Connect(estimate.residual, residual);
+  Connect(estimate.contact, contact);
   auto& errors = Add<PoseErrors>("pose_errors");
   Connect(pose.error, errors.task_error);
   Connect(pose.error_rate, errors.task_error_rate);

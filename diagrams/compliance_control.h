@@ -7,13 +7,13 @@
 #include <vector>
 
 #include "pliant/controllers/compliance_qp.h"
-#include "pliant/controllers/external_acceleration.h"
-#include "pliant/controllers/frame_task.h"
+#include "pliant/controllers/compliance_supervisor.h"
+#include "pliant/controllers/force_limit.h"
+#include "pliant/controllers/frame_speed_limit.h"
 #include "pliant/controllers/joint_damper.h"
 #include "pliant/controllers/low_level_torque.h"
-#include "pliant/controllers/posture_task.h"
-#include "pliant/estimators/momentum_observer.h"
-#include "pliant/plants/model_dynamics.h"
+#include "pliant/controllers/workspace_planes.h"
+#include "pliant/diagrams/external_torque_estimate.h"
 #include "pliant/systems/composite.h"
 
 namespace pliant {
@@ -25,37 +25,92 @@ struct PoseError : Signal<PoseError, Frame, 6> {
   static constexpr std::array<std::string_view, 6> elements{"rx", "ry", "rz", "x", "y", "z"};
 };
 
-/// Where the controller has τ̂_e from.
-enum class TorqueEstimate { True, Observer, Zero };
-
-inline const std::vector<std::string>& Words(TorqueEstimate) {
-  static const std::vector<std::string> words{"true", "observer", "zero"};
-  return words;
-}
-
-/// How a task is followed, and how much of it gives way.
-struct TaskGains {
-  double stiffness;   ///< λ₂ [1/s²]
-  double damping;     ///< λ₁ [1/s]
-  double weight;      ///< w
-  double compliance;  ///< γ in Γ = γ I
+/// How a pose is followed, and how much of it gives way.
+struct PoseGains {
+  double stiffness = 400;                                         ///< λ₂ [1/s²]
+  double damping = 40;                                            ///< λ₁ [1/s]
+  double weight = 1e4;                                            ///< w
+  TaskMatrix compliance = {};                                     ///< Γ, as FrameTask has it
+  TaskMatrix mobility = {};                                       ///< Y [1/kg, 1/(kg·m²)]
+  Eigen::Matrix3d compliance_axes = Eigen::Matrix3d::Identity();  ///< of Γ and Y, as columns
 
   template <class F>
   void Parameters(F&& f) {
     f("stiffness", stiffness, "1/s²", kNotNegative);
     f("damping", damping, "1/s", kNotNegative);
     f("weight", weight, "", kPositive);
-    f("compliance", compliance, "", kNotNegative);
+    f("compliance", compliance);
+    f("mobility", mobility);
+    f("compliance_axes", compliance_axes);
   }
 };
 
+/// The same of a posture.
+struct PostureGains {
+  double stiffness = 0;         ///< λ₂ [1/s²]
+  double damping = 5;           ///< λ₁ [1/s]
+  double weight = 1;            ///< w₀
+  JointMatrix compliance = {};  ///< Γ₀, as PostureTask has it
+
+  template <class F>
+  void Parameters(F&& f) {
+    f("stiffness", stiffness, "1/s²", kNotNegative);
+    f("damping", damping, "1/s", kNotNegative);
+    f("weight", weight, "", kPositive);
+    f("compliance", compliance);
+  }
+};
+
+/// A mode that begins.
+struct ComplianceChange {
+  double at_s = kToBeGiven;
+  ComplianceMode mode = ComplianceMode::NullSpace;
+  bool dynamic = false;
+
+  template <class F>
+  void Parameters(F&& f) {
+    f("at_s", at_s, "s", Between(0, 1e6));
+    f("mode", mode);
+    f("dynamic", dynamic);
+  }
+};
+
+/// Modes instead of the gains of the tasks.
+struct SupervisedModes {
+  ComplianceMode mode = ComplianceMode::NullSpace;  ///< at the start
+  bool dynamic = false;
+  std::vector<ComplianceChange> changes = {};  ///< in order of time
+  ComplianceSupervisor::Options supervisor = {};
+
+  template <class F>
+  void Parameters(F&& f) {
+    f("mode", mode);
+    f("dynamic", dynamic);
+    f("changes", changes);
+    supervisor.Parameters(f);
+  }
+};
+
+/// What the arm is commanded.
+enum class ArmCommand {
+  Torque,    ///< τ_d
+  Position,  ///< the accelerations, integrated from the start
+};
+
+inline const std::vector<std::string>& Words(ArmCommand) {
+  static const std::vector<std::string> words{"torque", "position"};
+  return words;
+}
+
 /// Holds a pose of a tool and a posture by one QP, with as much compliance in each as asked for.
 ///
-///   measured_… ─▶ dynamics ─▶ pose task, posture task ─▶ qp ─▶ low level ─▶ current
-///              ─▶ observer ─▶ estimate ─▶ external acceleration, dampers ─▶ qp ─▶ torque
+///   measured_… ─▶ dynamics ─▶ pose task, posture task, limits ─▶ qp ─▶ low level ─▶ current
+///              ─▶ estimate ─▶ external acceleration ─▶ tasks     ├──▶ torque
+///                    └──▶ contact ─▶ supervisor ─▶ tasks         └──▶ reference ─▶ position
 ///
 /// The rotors are part of what the controller moves and gives its compliance to; the observer,
-/// which is driven by torque sensors behind the gears, takes their momentum off again.
+/// which is driven by torque sensors behind the gears, takes them off again. With the command
+/// Position, tasks and limits are about the reference, and the estimate about the arm.
 /// Source: Celerier et al. 2025 (EC).
 class ComplianceControl final : public Composite {
  public:
@@ -68,22 +123,35 @@ class ComplianceControl final : public Composite {
     Duration period = 1ms;   ///< of the arm's interface
     /// Makes currents of the torques; without, `current` stays zero.
     std::optional<LowLevelTorque::Options> low_level = {};
+    std::optional<WristTool> wrist = {};  ///< the sensor, if there is one
 
     std::string tool;  ///< link whose pose is held
-    TaskGains pose{.stiffness = 400, .damping = 40, .weight = 1e4, .compliance = 0};
-    TaskGains posture{.stiffness = 0, .damping = 5, .weight = 1, .compliance = 0};
+    PoseGains pose = {};
+    PostureGains posture = {};
+    std::optional<SupervisedModes> modes = {};
     TorqueEstimate estimate = TorqueEstimate::Observer;
-    double observer_gain = 50;  ///< K_I [1/s]
+    double observer_gain = 50;   ///< K_I [1/s]
+    double observer_rate = 500;  ///< L of the sliding modes [N·m/s]
     JointDamper::Options damper = {};
+    std::optional<FrameSpeedLimit::Options> speed_limit = {};
+    std::vector<WorkspacePlanes::Options> workspace = {};
+    std::optional<ForceLimit::Options> force_limit = {};  ///< of the wrist sensor's contact
+    ArmCommand command = ArmCommand::Torque;
 
     template <class F>
     void Parameters(F&& f) {
       f("tool", tool);
       f("pose", pose);
       f("posture", posture);
+      f("modes", modes);
       f("estimate", estimate);
       f("observer_gain", observer_gain, "1/s", kPositive);
+      f("observer_rate", observer_rate, "N·m/s", kPositive);
       f("damper", damper);
+      f("speed_limit", speed_limit);
+      f("workspace", workspace);
+      f("force_limit", force_limit);
+      f("command", command);
     }
   };
 
@@ -93,10 +161,15 @@ class ComplianceControl final : public Composite {
   Input<JointVelocity> measured_velocity;
   Input<JointTorque> measured_torque;
   Input<JointTorque> true_torque;  ///< τ_e; 0 if not connected
+  Input<Wrench> wrench;            ///< of the wrist sensor; 0 if not connected
   Output<JointTorque> torque;      ///< τ_d
   Output<MotorCurrent> current;
+  Output<JointPosition> position;          ///< of the reference; measured with the command Torque
   Output<JointAcceleration> acceleration;  ///< q̈_d
+  Output<JointTorque> external_torque;     ///< τ̂_e
   Output<JointTorque> residual;            ///< of the observer
+  Output<Wrench> contact;                  ///< at the wrist, without the tool
+  Output<bool> yields;                     ///< the supervisor, in the mode Dual
   Output<PoseError> pose_error;
   Output<Twist> pose_error_rate;
   Output<JointPosition> posture_error;

@@ -76,8 +76,8 @@ ExternalTorqueEstimate::ExternalTorqueEstimate(const Options& o)
   } else if (o.estimate == Observer) {
     Connect(observer.residual, external_torque);
   } else if (o.estimate == Zero) {
-    auto& none = Add<Constant<JointTorque>>(
-        "none", {.space = joints, .value = JointTorque::Zero(joints)});
+    auto& none =
+        Add<Constant<JointTorque>>("none", {.space = joints, .value = JointTorque::Zero(joints)});
     Connect(none.y, external_torque);
   } else {
     auto& fusion =

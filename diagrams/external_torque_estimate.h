@@ -22,8 +22,8 @@ enum class TorqueEstimate {
 };
 
 inline const std::vector<std::string>& Words(TorqueEstimate) {
-  static const std::vector<std::string> words{"true",   "observer",              "super_twisting",
-                                              "fusion", "super_twisting_fusion", "zero"};
+  static const std::vector<std::string> words{
+      "true", "observer", "super_twisting", "fusion", "super_twisting_fusion", "zero"};
   return words;
 }
 
@@ -44,17 +44,17 @@ class ExternalTorqueEstimate final : public Composite {
     PerJoint rotor_inertia = {};  ///< B in `dynamics` but not in τ [kg·m²]; empty: none
     Duration period;
     TorqueEstimate estimate = TorqueEstimate::Observer;
-    double gain = 50;                      ///< K_I [1/s]
-    double rate = 500;                     ///< L [N·m/s], of the sliding modes
-    std::optional<WristTool> wrist = {};   ///< which the fusions need
+    double gain = 50;                     ///< K_I [1/s]
+    double rate = 500;                    ///< L [N·m/s], of the sliding modes
+    std::optional<WristTool> wrist = {};  ///< which the fusions need
   };
 
   explicit ExternalTorqueEstimate(const Options& o);
 
   Input<RobotDynamics> dynamics;
-  Input<JointTorque> torque;       ///< τ, as measured
-  Input<JointTorque> true_torque;  ///< τ_e; 0 if not connected
-  Input<Wrench> wrench;            ///< as measured at the wrist; 0 if not connected
+  Input<JointTorque> torque;            ///< τ, as measured
+  Input<JointTorque> true_torque;       ///< τ_e; 0 if not connected
+  Input<Wrench> wrench;                 ///< as measured at the wrist; 0 if not connected
   Output<JointTorque> external_torque;  ///< τ̂_e
   Output<JointTorque> residual;         ///< of the observer; 0 without one
   Output<Wrench> contact;               ///< at the wrist, without the tool; 0 without a sensor

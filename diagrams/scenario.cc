@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "pliant/plants/model_dynamics.h"
 #include "pliant/plants/shared_file.h"
 #include "pliant/systems/constant.h"
 #include "pliant/systems/nearest_name.h"
@@ -46,9 +47,29 @@ Duration PeriodOf(const SimulatedArm::Options& arm) {
   return arm.interface_period == Duration{} ? arm.period : arm.interface_period;
 }
 
+/// The sensor as it is calibrated: its offset and what hangs on it are known.
+WristTool WristToolOf(const RobotModel& model, const WristSensor::Options& sensor) {
+  const Inertial& load = model.link(model.link_index(sensor.frame)).inertial;
+  return {.frame = sensor.frame,
+          .tool = {.mass = load.mass, .center = load.center, .bias = sensor.bias}};
+}
+
 Duration Seconds(double s) {
   return Duration::Nanoseconds(static_cast<std::int64_t>(std::round(1e9 * s)));
 }
+
+/// Where the tool is, whatever the controller thinks.
+class ToolMotion final : public Block {
+ public:
+  explicit ToolMotion(const Joints& joints) : motion{this, "motion", joints} {
+    Compute(position).From(motion).As(
+        [](const RobotDynamics& d) { return Position(d.frame[0].pose.position); });
+    Compute(twist).From(motion).As([](const RobotDynamics& d) { return d.frame[0].twist; });
+  }
+  Input<RobotDynamics> motion;
+  Output<Position> position{this, "position"};
+  Output<Twist> twist{this, "twist"};
+};
 
 /// Adds the parts of an environment, named push_1, push_2, hand_1, …
 class Environment {
@@ -141,6 +162,7 @@ ComplianceControl::Options ControllerOf(const Scenario& scenario,
   if (!ideal)
     control.low_level = LowLevelTorqueOf(Perturbed(arm.actuators, scenario.model_error),
                                          control.model, control.period);
+  if (arm.wrist) control.wrist = WristToolOf(control.model, *arm.wrist);
   return control;
 }
 
@@ -159,8 +181,9 @@ std::vector<Push::Options> PushesOf(const Scenario& scenario) {
 
 ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<RecordSink> sink) {
   RequireInRange("", scenario);
-  const SimulatedArm::Options station = StationOf(scenario);
+  SimulatedArm::Options station = StationOf(scenario);
   const ComplianceControl::Options controller = ControllerOf(scenario, station);
+  station.frames = {controller.tool};
   const Duration period = control_period = controller.period;
 
   // The plant's model at what the sensors say: contacts push the arm that is there.
@@ -171,8 +194,11 @@ ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<Recor
   Environment environment(b, *arm, *true_torque, station.model, period);
   for (const EnvironmentPart& part : scenario.environment) std::visit(environment, part);
   control = &b.Add<ComplianceControl>("control", controller);
+  auto& tool = b.Add<ToolMotion>("tool", station.model.joints());
   auto& schedule = b.Add<ModeSchedule>(
-      "schedule", {.first = controller.low_level ? ControlMode::Current : ControlMode::Torque,
+      "schedule", {.first = controller.command == ArmCommand::Position ? ControlMode::Position
+                            : controller.low_level                     ? ControlMode::Current
+                                                                       : ControlMode::Torque,
                    .changes = scenario.schedule,
                    .period = period});
 
@@ -183,9 +209,12 @@ ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<Recor
   b.Connect(arm->measured_velocity, control->measured_velocity);
   b.Connect(arm->measured_torque, control->measured_torque);
   b.Connect(true_torque->torque, control->true_torque);
+  b.Connect(arm->wrench, control->wrench);
+  b.Connect(arm->motion, tool.motion);
   b.Connect(schedule.mode, arm->mode);
   b.Connect(control->torque, arm->torque_command);
   b.Connect(control->current, arm->current_command);
+  b.Connect(control->position, arm->position_command);
 
   if (!sink) return;
   auto& recorder =
@@ -194,8 +223,10 @@ ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<Recor
   const auto record = [&](const auto&... values) { (b.Connect(values, recorder.in), ...); };
   record(arm->measured_position, arm->measured_velocity, arm->measured_torque,
          arm->measured_current, arm->wrench, arm->status, arm->position, arm->velocity,
-         arm->joint_torque, arm->energy, true_torque->torque, schedule.mode);
-  record(control->torque, control->current, control->acceleration, control->residual,
+         arm->joint_torque, arm->energy, tool.position, tool.twist, true_torque->torque,
+         schedule.mode);
+  record(control->torque, control->current, control->position, control->acceleration,
+         control->external_torque, control->residual, control->contact, control->yields,
          control->pose_error, control->pose_error_rate, control->posture_error, control->report);
 }
 

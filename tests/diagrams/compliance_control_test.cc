@@ -5,6 +5,8 @@
 #include <algorithm>
 
 #include "pliant/diagrams/scenario.h"
+#include "pliant/estimators/momentum_observer.h"
+#include "pliant/plants/model_dynamics.h"
 #include "pliant/systems/simulator.h"
 #include "pliant/tests/plants/arms.h"
 #include "pliant/tests/support/allocations.h"
@@ -27,8 +29,8 @@ Push::Options PushOf(const std::string& link, const Eigen::Vector3d& force, doub
 Scenario Pushed(double pose, double posture, TorqueEstimate estimate) {
   ComplianceControl::Options control;
   control.tool = "tool_frame";
-  control.pose.compliance = pose;
-  control.posture.compliance = posture;
+  control.pose.compliance = TaskMatrix::Constant(1, 1, pose);
+  control.posture.compliance = JointMatrix::Constant(1, 1, posture);
   control.estimate = estimate;
   return {.robot = "gen3",
           .station = StationOptions{.ideal = true, .engine = SimbodyPlant::Engine::Recursive},
@@ -36,6 +38,17 @@ Scenario Pushed(double pose, double posture, TorqueEstimate estimate) {
           .environment = {PushOf("forearm_link", {0, 20, 0}, 0.1),
                           PushOf("tool_frame", {0, 0, -20}, 0.4)},
           .duration_s = 1};
+}
+
+Scenario WithSensor(const ComplianceControl::Options& control,
+                    const std::vector<EnvironmentPart>& environment, double duration_s) {
+  Scenario scenario;
+  scenario.robot = "gen3_bota";
+  scenario.station = StationOptions{.ideal = true, .engine = SimbodyPlant::Engine::Recursive};
+  scenario.controller = control;
+  scenario.environment = environment;
+  scenario.duration_s = duration_s;
+  return scenario;
 }
 
 /// The largest deviations of a second in which elbow and tool are pushed.
@@ -106,6 +119,124 @@ TEST(ComplianceControl, WithFullComplianceMovesAsWithoutAnyEstimate) {
   EXPECT_GT(known.tool, 1e-3);
   EXPECT_NEAR(known.tool, ignored.tool, 1e-6 * known.tool);  // the integrator's tolerance
   EXPECT_NEAR(known.joints, ignored.joints, 1e-6 * known.joints);
+}
+
+/// The tool is pushed while the arm is in a mode; at 0.6 s, from one snapshot, another is chosen.
+/// A change moves the torque of its first tick by h/T = 1/500 of what it changes in all, which is
+/// below 0.5 N·m for all that an arm can do within its limits, 2 · 45 N·m; and no later tick moves
+/// it by more either, beside what it moves anyway.
+TEST(ComplianceControl, ChangesModesWithoutAJump) {
+  using enum ComplianceMode;
+  struct Mode {
+    ComplianceMode mode;
+    bool dynamic;
+  };
+  const std::vector<Mode> modes{{Stiff, false},   {NullSpace, false}, {FullBody, false},
+                                {Dual, false},    {Stiff, true},      {NullSpace, true},
+                                {FullBody, true}, {Dual, true}};
+  const auto diagram_of = [](const Mode& from, const Mode& to) {
+    ComplianceControl::Options control;
+    control.tool = "FT_sensor_wrench";
+    control.estimate = TorqueEstimate::Fusion;
+    control.modes = {
+        .mode = from.mode, .dynamic = from.dynamic, .changes = {{0.6, to.mode, to.dynamic}}};
+    const Scenario scenario =
+        WithSensor(control, {PushOf("FT_sensor_wrench", {0, 15, -20}, 0.1)}, 1);
+    return ScenarioDiagram(scenario);
+  };
+  for (const Mode& from : modes) {
+    std::vector<JointTorque> staying;
+    for (const bool stays : {true, false})
+      for (const Mode& to : modes) {
+        if (stays != (to.mode == from.mode && to.dynamic == from.dynamic)) continue;
+        ScenarioDiagram scene = diagram_of(from, to);
+        const Diagram diagram = scene.builder.Build();
+        Simulator sim(diagram);
+        sim.AdvanceTo(0.6);
+        JointTorque last = sim.Get(scene.control->torque);
+        for (int k = 0; k < 100; ++k) {
+          sim.AdvanceThroughTick();
+          const JointTorque now = sim.Get(scene.control->torque);
+          if (stays) {
+            staying.push_back(now);
+          } else if (k == 0) {
+            ASSERT_LT((now - staying[0]).cwiseAbs().maxCoeff(), 0.5);
+          } else {
+            // ramps on, no faster than 0.5 N·m a tick beside what the other run does
+            const JointTorque anyway =
+                staying[static_cast<std::size_t>(k)] - staying[static_cast<std::size_t>(k) - 1];
+            ASSERT_LT((now - last - anyway).cwiseAbs().maxCoeff(), 0.5) << k;
+          }
+          last = now;
+        }
+      }
+  }
+}
+
+TEST(ComplianceControl, YieldsWhileTheToolIsPushedHardAndStaysWhereItIsLeft) {
+  ComplianceControl::Options control;
+  control.tool = "FT_sensor_wrench";
+  control.modes = {.mode = ComplianceMode::Dual};
+  const Scenario scenario = WithSensor(
+      control,
+      {PushOf("FT_sensor_wrench", {0, 6, 0}, 0.1), PushOf("FT_sensor_wrench", {0, 15, 0}, 1)}, 4);
+  ScenarioDiagram scene(scenario);
+  const Diagram diagram = scene.builder.Build();
+  Simulator sim(diagram);
+  const auto away = [&](double t) {
+    bool yielded = false;
+    while (sim.time() < t) {
+      sim.AdvanceThroughTick();
+      yielded = yielded || sim.Get(scene.control->yields);
+    }
+    return yielded;
+  };
+  EXPECT_FALSE(away(1)) << "6 N are below the threshold";
+  const Eigen::Vector3d first = sim.Get(scene.arm->motion).frame[0].pose.position;
+  EXPECT_TRUE(away(2.5));
+  EXPECT_FALSE(sim.Get(scene.control->yields));
+  away(4);
+  const Eigen::Vector3d last = sim.Get(scene.arm->motion).frame[0].pose.position;
+  EXPECT_GT((last - first).norm(), 0.01) << "it went where it was pushed";
+  EXPECT_LT(sim.Get(scene.control->pose_error).norm(), 1e-3) << "and stays there";
+}
+
+TEST(ComplianceControl, GivesWayThroughPositionsAsThroughTorques) {
+  const auto moved = [](ArmCommand command) {
+    Scenario scenario = Pushed(1, 1, TorqueEstimate::True);
+    std::get<ComplianceControl::Options>(scenario.controller).command = command;
+    ScenarioDiagram scene(scenario);
+    const Diagram diagram = scene.builder.Build();
+    Simulator sim(diagram);
+    sim.AdvanceTo(0.7);
+    return JointPosition(sim.Get(scene.control->position) - StationOf(scenario).position);
+  };
+  const JointPosition torque = moved(ArmCommand::Torque), position = moved(ArmCommand::Position);
+  EXPECT_GT(torque.norm(), 0.02);
+  // What pushes is held over a tick here, and acts between ticks there: h over the 0.2 s of an
+  // edge.
+  EXPECT_LT((position - torque).norm(), 0.01 * torque.norm());
+}
+
+TEST(ComplianceControl, RefusesWhatItHasNoSensorFor) {
+  Scenario scenario = Pushed(0, 0, TorqueEstimate::Fusion);
+  EXPECT_EQ(ErrorOf([&] { ScenarioDiagram scene(scenario); }),
+            "control.estimate: estimate fusion needs a wrist sensor; expected a robot that has "
+            "one, such as gen3_bota, or the estimate observer");
+  scenario = Pushed(0, 0, TorqueEstimate::Observer);
+  ForceLimit::Options limit;
+  limit.frame = "tool_frame";
+  limit.force = 10;
+  limit.stiffness = 1000;
+  std::get<ComplianceControl::Options>(scenario.controller).force_limit = limit;
+  EXPECT_EQ(ErrorOf([&] { ScenarioDiagram scene(scenario); }),
+            "control: force_limit.frame must be the frame of a wrist sensor; this robot has none, "
+            "got 'tool_frame'");
+  scenario = Pushed(0, 0, TorqueEstimate::Observer);
+  std::get<ComplianceControl::Options>(scenario.controller).modes = {
+      .changes = {{1, ComplianceMode::Dual, false}, {1, ComplianceMode::Stiff, false}}};
+  EXPECT_EQ(ErrorOf([&] { ScenarioDiagram scene(scenario); }),
+            "control.schedule: each mode begins after the one before it, got 1 s behind 1 s");
 }
 
 TEST(ComplianceControl, TakesNothingFromTheHeapAndRepeatsItselfBitForBit) {
