@@ -1,0 +1,307 @@
+#include "pliant/plants/collision_distance.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace pliant {
+namespace {
+
+using Eigen::Vector3d;
+
+std::size_t At(int i) { return static_cast<std::size_t>(i); }
+
+/// Cores closer than this are taken to touch [m].
+constexpr double kTouching = 1e-7;
+/// Rounds of d = ‖z‖, where the softening of squares by δ d is that of distances by δ.
+constexpr int kRounds = 12;
+/// Relative change of d at which they end.
+constexpr double kSettled = 1e-10;
+
+double Square(double x) { return x * x; }
+
+/// A direction normal to u, and to v unless they are parallel.
+Vector3d NormalTo(const Vector3d& u, const Vector3d& v) {
+  const Vector3d both = u.cross(v);
+  if (both.norm() > 1e-9 * u.norm() * v.norm()) return both.normalized();
+  const Vector3d longer = u.norm() > v.norm() ? u : v;
+  return longer.norm() > 0 ? longer.unitOrthogonal() : Vector3d::UnitZ();
+}
+
+/// Points and segments: x_a = c_a + s u, x_b = c_b + t v with s and t in [−1, 1].
+Proximity ClosestOfSegments(const PlacedShape& A, const PlacedShape& B, double softening) {
+  const Vector3d& u = A.half;
+  const Vector3d& v = B.half;
+  const Vector3d r = A.center - B.center;
+  const double uu = u.squaredNorm(), vv = v.squaredNorm(), uv = u.dot(v);
+  const double ru = r.dot(u), rv = r.dot(v);
+  const double delta = A.shape->extent > 0 && B.shape->extent > 0 ? softening : 0;
+
+  double d = r.norm(), s = 0, t = 0;
+  for (int round = 0; round < kRounds; ++round) {
+    const double a = uu + delta * d, b = vv + delta * d;
+    const double det = a * b - uv * uv;
+    s = det > 1e-14 * a * b ? std::clamp((uv * rv - ru * b) / det, -1.0, 1.0) : 0;
+    t = b > 0 ? (uv * s + rv) / b : 0;
+    if (t < -1 || t > 1) {
+      t = std::clamp(t, -1.0, 1.0);
+      s = a > 0 ? std::clamp((uv * t - ru) / a, -1.0, 1.0) : 0;
+    } else if (det <= 1e-14 * a * b && a > 0) {
+      s = std::clamp((uv * t - ru) / a, -1.0, 1.0);
+    }
+    const double before = d;
+    d = (r + s * u - t * v).norm();
+    if (delta == 0 || std::abs(d - before) <= kSettled * d) break;
+  }
+
+  Proximity p;
+  p.a = A.center + s * u;
+  p.b = B.center + t * v;
+  if (d > 1e-9) {
+    p.normal = (r + s * u - t * v) / d;
+  } else {
+    p.normal = NormalTo(u, v);
+    if (p.normal.dot(r) < 0) p.normal = -p.normal;
+  }
+  const double soft = delta > 0 ? delta * (0.5 * (s * s + t * t) - 1) : 0;
+  p.distance = d + soft - A.shape->radius - B.shape->radius;
+  return p;
+}
+
+/// The points of a core about its centre, world axes.
+struct Points {
+  explicit Points(const PlacedShape& placed) {
+    if (!placed.shape->is_polytope()) {
+      at[0] = placed.half;
+      at[1] = -placed.half;
+      count = placed.shape->extent > 0 ? 2 : 1;
+      return;
+    }
+    for (const Vector3d& point : placed.shape->points)
+      at[At(count++)].noalias() = *placed.rotation * point;
+  }
+
+  int Furthest(const Vector3d& direction) const {
+    int best = 0;
+    double most = direction.dot(at[0]);
+    for (int i = 1; i < count; ++i)
+      if (const double reach = direction.dot(at[At(i)]); reach > most) {
+        most = reach;
+        best = i;
+      }
+    return best;
+  }
+
+  std::array<Vector3d, CollisionShape::kMaxPoints> at;
+  int count = 0;
+};
+
+/// The point of least norm of a polytope, by Wolfe's method: that of
+///
+///   (z, √ε_a y_a, √ε_b y_b),   z = r + y_a − y_b,   r = c_a − c_b
+///
+/// over the points y of the cores about their centres. The scalar products of such vectors are all
+/// it takes. `corners` are pairs of points that span a simplex with the least one inside of it;
+/// their weights add up to one.
+class LeastNorm {
+ public:
+  LeastNorm(const Points& a, const Points& b, const Vector3d& r) : a_{a}, b_{b}, r_{r} {
+    Add(a.Furthest(-r), b.Furthest(r), 1);
+    Sum();
+  }
+
+  void Solve(double eps_a, double eps_b) {
+    eps_a_ = eps_a;
+    eps_b_ = eps_b;
+    for (int round = 0; round < kMaxRounds; ++round) {
+      if (!Descend()) return;
+      Sum();
+      const Vector3d pull_a = z + eps_a_ * y_a, pull_b = z - eps_b_ * y_b;
+      const int i = a_.Furthest(-pull_a), k = b_.Furthest(pull_b);
+      const double norm = z.squaredNorm() + eps_a_ * y_a.squaredNorm() + eps_b_ * y_b.squaredNorm();
+      const double least = pull_a.dot(a_.at[At(i)]) - pull_b.dot(b_.at[At(k)]) + z.dot(r_);
+      const double size =
+          r_.squaredNorm() + a_.at[At(i)].squaredNorm() + b_.at[At(k)].squaredNorm();
+      if (norm - least <= 1e-15 * size || count_ == kMaxCorners || Has(i, k)) return;
+      Add(i, k, 0);
+    }
+  }
+
+  Vector3d z, y_a, y_b;
+
+ private:
+  static constexpr int kMaxCorners = 7;  // of a simplex in six dimensions
+  static constexpr int kMaxRounds = 100;
+  using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxCorners,
+                               kMaxCorners>;
+  using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxCorners, 1>;
+
+  struct Corner {
+    int a, b;
+    Vector3d z;
+    double weight;
+  };
+
+  void Add(int i, int k, double weight) {
+    corner_[At(count_++)] = {i, k, r_ + a_.at[At(i)] - b_.at[At(k)], weight};
+  }
+  bool Has(int i, int k) const {
+    return std::any_of(corner_.begin(), corner_.begin() + count_,
+                       [&](const Corner& c) { return c.a == i && c.b == k; });
+  }
+  void Sum() {
+    y_a.setZero();
+    y_b.setZero();
+    for (int i = 0; i < count_; ++i) {
+      y_a += corner_[At(i)].weight * a_.at[At(corner_[At(i)].a)];
+      y_b += corner_[At(i)].weight * b_.at[At(corner_[At(i)].b)];
+    }
+    z = r_ + y_a - y_b;
+  }
+  double Product(const Corner& c, const Corner& e) const {
+    return c.z.dot(e.z) + eps_a_ * a_.at[At(c.a)].dot(a_.at[At(e.a)]) +
+           eps_b_ * b_.at[At(c.b)].dot(b_.at[At(e.b)]);
+  }
+
+  /// To the least point of the plane through the corners, without the corners that are left on the
+  /// way. False if they are so flat that no better point is to be had.
+  bool Descend() {
+    while (true) {
+      Matrix G = Matrix::Zero(count_, count_);
+      double scale = 0;
+      for (int i = 0; i < count_; ++i) {
+        for (int k = 0; k <= i; ++k) G(i, k) = G(k, i) = Product(corner_[At(i)], corner_[At(k)]);
+        scale = std::max(scale, G(i, i));
+      }
+      // With 1 1ᵀ added, scaled, it has full rank also where the plane goes through the origin.
+      if (!(scale > 0)) return false;
+      G.array() += scale;
+      const Eigen::LLT<Matrix> cholesky(G);
+      if (cholesky.info() != Eigen::Success) {
+        Drop(count_ - 1);
+        return false;
+      }
+      Vector y = cholesky.solve(Vector::Ones(count_));
+      y /= y.sum();
+      if (!y.allFinite()) return false;
+      double step = 1;
+      int out = -1;
+      for (int i = 0; i < count_; ++i)
+        if (const double w = corner_[At(i)].weight; y(i) <= 0 && w / (w - y(i)) < step) {
+          step = w / (w - y(i));
+          out = i;
+        }
+      for (int i = 0; i < count_; ++i) {
+        double& w = corner_[At(i)].weight;
+        w = std::max(0.0, w + step * (y(i) - w));
+      }
+      if (out < 0 || count_ == 1) return true;
+      Drop(out);
+    }
+  }
+  void Drop(int out) {
+    if (count_ == 1) return;
+    std::copy(corner_.begin() + out + 1, corner_.begin() + count_, corner_.begin() + out);
+    --count_;
+    double sum = 0;
+    for (int i = 0; i < count_; ++i) sum += corner_[At(i)].weight;
+    for (int i = 0; i < count_; ++i)
+      corner_[At(i)].weight = sum > 0 ? corner_[At(i)].weight / sum : 1.0 / count_;
+  }
+
+  const Points& a_;
+  const Points& b_;
+  const Vector3d r_;
+  double eps_a_ = 0, eps_b_ = 0;
+  std::array<Corner, kMaxCorners> corner_;
+  int count_ = 0;
+};
+
+/// The least translation of a that parts two overlapping cores.
+class Parting {
+ public:
+  Parting(const PlacedShape& A, const PlacedShape& B, const Points& a, const Points& b)
+      : a_{a}, b_{b}, r_{A.center - B.center} {
+    for (const PlacedShape* placed : {&A, &B})
+      for (const Vector3d& face : placed->shape->faces) Try(*placed->rotation * face);
+    ForEdges(A, [&](const Vector3d& of_a) {
+      ForEdges(B, [&](const Vector3d& of_b) {
+        const Vector3d across = of_a.cross(of_b);
+        if (const double sine = across.norm(); sine > 1e-9) Try(across / sine);
+      });
+    });
+  }
+
+  double depth = std::numeric_limits<double>::infinity();
+  Vector3d normal = Vector3d::UnitZ();
+
+ private:
+  template <class F>
+  static void ForEdges(const PlacedShape& placed, const F& f) {
+    if (placed.shape->is_polytope())
+      for (const Vector3d& edge : placed.shape->edges) f(*placed.rotation * edge);
+    else if (placed.shape->extent > 0)
+      f(placed.half / placed.shape->extent);
+  }
+  void Try(const Vector3d& n) {
+    const double r = r_.dot(n);
+    const double above = b_.at[At(b_.Furthest(n))].dot(n) - a_.at[At(a_.Furthest(-n))].dot(n) - r;
+    const double below = a_.at[At(a_.Furthest(n))].dot(n) - b_.at[At(b_.Furthest(-n))].dot(n) + r;
+    if (std::min(above, below) >= depth) return;
+    depth = std::min(above, below);
+    normal = above <= below ? n : Vector3d(-n);
+  }
+
+  const Points& a_;
+  const Points& b_;
+  const Vector3d r_;
+};
+
+Proximity ClosestOfPolytopes(const PlacedShape& A, const PlacedShape& B, double softening) {
+  const Points a(A), b(B);
+  const double R_a = A.shape->extent, R_b = B.shape->extent;
+  const double delta = R_a > 0 && R_b > 0 ? softening : 0;
+  const double radii = A.shape->radius + B.shape->radius;
+
+  LeastNorm least(a, b, A.center - B.center);
+  least.Solve(0, 0);
+  double d = least.z.norm();
+  Proximity p;
+  if (!(d > kTouching)) {
+    const Parting parting(A, B, a, b);
+    p.normal = parting.normal;
+    p.a = A.center + a.at[At(a.Furthest(-parting.normal))];
+    p.b = p.a + parting.depth * parting.normal;
+    p.distance = -parting.depth - delta - radii;
+    return p;
+  }
+  double soft = 0;
+  if (delta > 0) {
+    for (int round = 0; round < kRounds; ++round) {
+      least.Solve(delta * d / Square(R_a), delta * d / Square(R_b));
+      const double before = d;
+      d = least.z.norm();
+      if (std::abs(d - before) <= kSettled * d) break;
+    }
+    soft =
+        delta *
+        (0.5 * (least.y_a.squaredNorm() / Square(R_a) + least.y_b.squaredNorm() / Square(R_b)) - 1);
+  }
+  p.normal = least.z / d;
+  p.a = A.center + least.y_a;
+  p.b = B.center + least.y_b;
+  p.distance = d + soft - radii;
+  return p;
+}
+
+}  // namespace
+
+Proximity Closest(const PlacedShape& a, const PlacedShape& b, double softening) {
+  if (a.shape->is_polytope() || b.shape->is_polytope()) return ClosestOfPolytopes(a, b, softening);
+  return ClosestOfSegments(a, b, softening);
+}
+
+}  // namespace pliant
