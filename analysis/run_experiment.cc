@@ -193,11 +193,31 @@ class Execution {
   std::optional<std::string> failure_;
 };
 
+std::string EstimatorOf(const ComplianceControl::Options& c) {
+  const std::string gain = "K_I = " + Text(c.observer_gain) + " 1/s";
+  const std::string rate = "L = " + Text(c.observer_rate) + " N·m/s";
+  switch (c.estimate) {
+    case TorqueEstimate::True:
+      return "none: external torques are known";
+    case TorqueEstimate::Observer:
+      return "momentum observer, " + gain;
+    case TorqueEstimate::SuperTwisting:
+      return "super-twisting observer, " + rate;
+    case TorqueEstimate::Fusion:
+      return "momentum observer and wrist sensor, complementary, " + gain;
+    case TorqueEstimate::SuperTwistingFusion:
+      return "wrist sensor and super-twisting observer, " + rate;
+    case TorqueEstimate::Zero:
+      break;
+  }
+  return "none: external torques are taken for 0";
+}
+
 std::vector<Setting> SettingsOfRun(const RunData& run) {
   const Scenario& s = run.scenario;
   const StationOptions& station = std::get<StationOptions>(s.station);
   const ComplianceControl::Options& c = run.control;
-  const auto gains = [](const TaskGains& g) {
+  const auto gains = [](const auto& g) {
     return Text(g.stiffness) + " 1/s², " + Text(g.damping) + " 1/s, weight " + Text(g.weight);
   };
   return {
@@ -214,12 +234,10 @@ std::vector<Setting> SettingsOfRun(const RunData& run) {
       {"limits", "torque, and dampers with λ = " + Text(c.damper.rate) +
                      " 1/s, M = " + Text(c.damper.damping_ratio) +
                      ", d_s = " + Text(100 * c.damper.safety_distance) + " % of the range"},
-      {"estimator", c.estimate == TorqueEstimate::Observer
-                        ? "momentum observer, K_I = " + Text(c.observer_gain) + " 1/s"
-                    : c.estimate == TorqueEstimate::True ? "none: external torques are known"
-                                                         : "none: external torques are unknown"},
-      {"compliance", "Γ = " + Text(c.pose.compliance) + " I of the pose, " +
-                         Text(c.posture.compliance) + " I of the posture"},
+      {"estimator", EstimatorOf(c)},
+      {"compliance", c.modes ? "as the modes say"
+                             : "Γ = " + internal::YamlText(c.pose.compliance) + " of the pose, " +
+                                   internal::YamlText(c.posture.compliance) + " of the posture"},
       {"integrator", std::string(Name(s.integrator.method)) + ", tolerances " +
                          Text(s.integrator.relative_tolerance) + " relative, " +
                          Text(s.integrator.absolute_tolerance) + " absolute"},

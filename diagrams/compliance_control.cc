@@ -73,6 +73,11 @@ class ComplianceSchedule final : public Block {
   Output<Now> now_;
 };
 
+PairNames PairsOf(const ComplianceControl::Options& o) {
+  if (!o.collisions) return {};
+  return CollisionGeometry(o.model, o.collisions->pairs, o.collisions->obstacles).names();
+}
+
 }  // namespace
 
 ComplianceControl::ComplianceControl(const Options& o)
@@ -89,6 +94,8 @@ ComplianceControl::ComplianceControl(const Options& o)
       residual{this, "residual", o.model.joints()},
       contact{this, "contact"},
       yields{this, "yields"},
+      distance{this, "distance", PairsOf(o)},
+      door{this, "door"},
       pose_error{this, "pose_error"},
       pose_error_rate{this, "pose_error_rate"},
       posture_error{this, "posture_error", o.model.joints()},
@@ -142,6 +149,14 @@ ComplianceControl::ComplianceControl(const Options& o)
     row_count += count;
     return limit;
   };
+  if (o.collisions)
+    Connect(add_limit("collisions", *o.collisions, PairsOf(o).size(),
+                      std::type_identity<CollisionDamper>{})
+                .distance,
+            distance);
+  else
+    Connect(Add<Constant<PairDistances>>("collisions", {.space = {}, .value = PairDistances()}).y,
+            distance);
   for (std::size_t i = 0; i < o.workspace.size(); ++i)
     add_limit("workspace_" + std::to_string(i + 1), o.workspace[i],
               static_cast<int>(o.workspace[i].planes.size()),
@@ -219,6 +234,25 @@ ComplianceControl::ComplianceControl(const Options& o)
   } else {
     auto& never = Add<Constant<bool>>("yields", {.value = false});
     Connect(never.y, yields);
+  }
+
+  if (o.door) {
+    VirtualDoor::Options options = *o.door;
+    options.joints = joints;
+    options.closed = start.frame[0].pose;
+    options.gravity = o.model.gravity();
+    auto& hinge = Add<VirtualDoor>("door", options);
+    Connect(pose.frame, hinge.frame);
+    Connect(dynamics.dynamics, hinge.dynamics);
+    if (o.estimate != TorqueEstimate::Zero)
+      Connect(external.acceleration, hinge.external_acceleration);
+    Connect(hinge.pose, pose.target);
+    Connect(hinge.twist, pose.target_twist);
+    Connect(hinge.acceleration, pose.target_acceleration);
+    Connect(hinge.mobility, pose.mobility);
+    Connect(hinge.door, door);
+  } else {
+    Connect(Add<Constant<DoorMotion>>("door", {.value = DoorMotion{}}).y, door);
   }
 
   Connect(qp.torque, torque);

@@ -6,12 +6,14 @@
 #include <string_view>
 #include <vector>
 
+#include "pliant/controllers/collision_damper.h"
 #include "pliant/controllers/compliance_qp.h"
 #include "pliant/controllers/compliance_supervisor.h"
 #include "pliant/controllers/force_limit.h"
 #include "pliant/controllers/frame_speed_limit.h"
 #include "pliant/controllers/joint_damper.h"
 #include "pliant/controllers/low_level_torque.h"
+#include "pliant/controllers/virtual_door.h"
 #include "pliant/controllers/workspace_planes.h"
 #include "pliant/diagrams/external_torque_estimate.h"
 #include "pliant/systems/composite.h"
@@ -129,10 +131,12 @@ class ComplianceControl final : public Composite {
     PoseGains pose = {};
     PostureGains posture = {};
     std::optional<SupervisedModes> modes = {};
+    std::optional<VirtualDoor::Options> door = {};  ///< that the tool is the handle of
     TorqueEstimate estimate = TorqueEstimate::Observer;
     double observer_gain = 50;   ///< K_I [1/s]
     double observer_rate = 500;  ///< L of the sliding modes [N·m/s]
     JointDamper::Options damper = {};
+    std::optional<CollisionDamper::Options> collisions = {};
     std::optional<FrameSpeedLimit::Options> speed_limit = {};
     std::vector<WorkspacePlanes::Options> workspace = {};
     std::optional<ForceLimit::Options> force_limit = {};  ///< of the wrist sensor's contact
@@ -144,10 +148,12 @@ class ComplianceControl final : public Composite {
       f("pose", pose);
       f("posture", posture);
       f("modes", modes);
+      f("door", door);
       f("estimate", estimate);
       f("observer_gain", observer_gain, "1/s", kPositive);
       f("observer_rate", observer_rate, "N·m/s", kPositive);
       f("damper", damper);
+      f("collisions", collisions);
       f("speed_limit", speed_limit);
       f("workspace", workspace);
       f("force_limit", force_limit);
@@ -170,6 +176,8 @@ class ComplianceControl final : public Composite {
   Output<JointTorque> residual;            ///< of the observer
   Output<Wrench> contact;                  ///< at the wrist, without the tool
   Output<bool> yields;                     ///< the supervisor, in the mode Dual
+  Output<PairDistances> distance;          ///< of what is kept apart
+  Output<DoorMotion> door;
   Output<PoseError> pose_error;
   Output<Twist> pose_error_rate;
   Output<JointPosition> posture_error;

@@ -19,7 +19,8 @@ namespace {
 struct KnownArm {
   const char* name;
   const char* urdf;
-  JointPosition home;  // [rad], for a station without a position
+  const char* collisions;  // which links are kept apart
+  JointPosition home;      // [rad], for a station without a position
   SimulatedArm::Options (*station)(const RobotModel&, const StationOptions&);
 };
 
@@ -28,9 +29,9 @@ const KnownArm& ArmOf(const Scenario& scenario) {
   static const JointPosition gen3{0, 0.2618, kPi, -2.2689, 0, 0.9599, kPi / 2};
   static const JointPosition lwr{0, 2 * kPi / 9, 0, -kPi / 2, 0, 5 * kPi / 18, 0};
   static const std::array<KnownArm, 3> all{
-      {{"gen3", "gen3/gen3_7dof.urdf", gen3, &SimulatedGen3},
-       {"gen3_bota", "gen3/gen3_7dof_bota.urdf", gen3, &SimulatedGen3},
-       {"lwr", "lwr/lwr4p.urdf", lwr, &SimulatedLwr}}};
+      {{"gen3", "gen3/gen3_7dof.urdf", "gen3/collisions.yaml", gen3, &SimulatedGen3},
+       {"gen3_bota", "gen3/gen3_7dof_bota.urdf", "gen3/collisions.yaml", gen3, &SimulatedGen3},
+       {"lwr", "lwr/lwr4p.urdf", "lwr/collisions.yaml", lwr, &SimulatedLwr}}};
   std::vector<std::string> names;
   for (const KnownArm& arm : all) {
     if (arm.name == scenario.robot) return arm;
@@ -162,6 +163,9 @@ ComplianceControl::Options ControllerOf(const Scenario& scenario,
   if (!ideal)
     control.low_level = LowLevelTorqueOf(Perturbed(arm.actuators, scenario.model_error),
                                          control.model, control.period);
+  if (control.collisions && control.collisions->pairs == CollisionPairs{})
+    control.collisions->pairs =
+        CollisionPairs::Read(ModelFile(ArmOf(scenario).collisions), control.model);
   if (arm.wrist) control.wrist = WristToolOf(control.model, *arm.wrist);
   return control;
 }
@@ -226,8 +230,11 @@ ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<Recor
          arm->joint_torque, arm->energy, tool.position, tool.twist, true_torque->torque,
          schedule.mode);
   record(control->torque, control->current, control->position, control->acceleration,
-         control->external_torque, control->residual, control->contact, control->yields,
-         control->pose_error, control->pose_error_rate, control->posture_error, control->report);
+         control->external_torque, control->residual, control->contact, control->pose_error,
+         control->pose_error_rate, control->posture_error, control->report);
+  if (controller.collisions) record(control->distance);
+  if (controller.door) record(control->door);
+  if (controller.modes) record(control->yields);
 }
 
 }  // namespace pliant
