@@ -151,7 +151,7 @@ double BracketAt(const Panel& panel, std::size_t number) {
     range.Cover(bar.mean - bar.deviation);
   }
   const double height = range.to > range.from ? range.to - range.from : 1;
-  return range.to + (0.08 + 0.11 * static_cast<double>(number)) * height;
+  return range.to + (0.1 + 0.16 * static_cast<double>(number)) * height;
 }
 
 Range YRange(const Panel& panel, Side side) {
@@ -246,7 +246,11 @@ Script::Script(const Figure& figure) : figure_{figure} {
       std::min(static_cast<std::size_t>(figure.columns), figure.panels.size());
   const std::size_t rows = (figure.panels.size() + columns - 1) / columns;
   const bool many = std::ranges::any_of(figure.panels, HasManyLabels);
-  const std::size_t height = rows == 1 && columns == 1 ? 400 : columns == 1 && !many ? 250 : 340;
+  const bool equal = std::ranges::any_of(figure.panels, &Panel::equal_scales);
+  const std::size_t height = columns == 1 && equal       ? 600
+                             : rows == 1 && columns == 1 ? 400
+                             : columns == 1 && !many     ? 250
+                                                         : 340;
   const auto inches = [](double pixels) { return Number(pixels / 96); };
   text_ << "# gnuplot " << figure.name << ".gp > " << figure.name << ".svg\n"
         << "# gnuplot -e 'pdf = 1' " << figure.name << ".gp > " << figure.name << ".pdf\n"
@@ -307,8 +311,17 @@ void Script::Ranges(const Panel& panel) {
     text_ << (axis.logarithmic ? "set" : "unset") << " logscale " << name << "\nset " << name
           << "range [" << Number(range.from) << ":" << Number(range.to) << "]\n";
   };
-  set("x", SharedXRange(figure_, panel), panel.x);
-  set("y", Chosen(YRange(panel, Side::Left), panel.left), panel.left);
+  Range x = SharedXRange(figure_, panel), y = Chosen(YRange(panel, Side::Left), panel.left);
+  if (panel.equal_scales) {
+    // As long as each other: a thin strip has no room for its numbers.
+    const double length = std::max(x.to - x.from, y.to - y.from);
+    for (Range* range : {&x, &y}) {
+      const double middle = (range->from + range->to) / 2;
+      *range = {middle - length / 2, middle + length / 2};
+    }
+  }
+  set("x", x, panel.x);
+  set("y", y, panel.left);
   set("y2", Chosen(YRange(panel, Side::Right), panel.right), panel.right);
 }
 
@@ -399,7 +412,7 @@ void Script::Bars(const Panel& panel) {
 }
 
 void Script::Brackets(const Panel& panel, const std::vector<double>& at) {
-  const double foot = 0.03 * (BracketAt(panel, 1) - BracketAt(panel, 0)) / 0.11;
+  const double foot = 0.03 * (BracketAt(panel, 1) - BracketAt(panel, 0)) / 0.16;
   for (std::size_t i = 0; i < panel.brackets.size(); ++i) {
     const Bracket& bracket = panel.brackets[i];
     const double y = BracketAt(panel, i), from = at[bracket.from], to = at[bracket.to];
@@ -411,7 +424,7 @@ void Script::Brackets(const Panel& panel, const std::vector<double>& at) {
     line(from, y, to, y);
     line(to, y, to, y - foot);
     text_ << "set label " << Quoted(bracket.label) << " at first " << Number((from + to) / 2) << ","
-          << Number(y) << " center offset 0,0.45 textcolor " << Rgb(internal::kInk) << " front\n";
+          << Number(y) << " center offset 0,0.55 textcolor " << Rgb(internal::kInk) << " front\n";
   }
 }
 

@@ -55,6 +55,9 @@ struct PathFigure {
   /// Throws Error if a signal or an element is not there.
   void RequireSound(const Recording& recorded) const;
   Figure Draw(const Runs& runs) const;
+
+ private:
+  Panel PanelOf(const Plane& plane, const Runs& all) const;
 };
 
 }  // namespace pliant

@@ -96,10 +96,11 @@ std::string SignalNumber::text(const RecordedSignal& recorded) const {
   std::string word = Words(statistic)[static_cast<std::size_t>(statistic)], what;
   std::ranges::replace(word, '_', ' ');
   for (const std::string& element : elements) what += (what.empty() ? "[" : ", ") + element;
-  std::string text =
-      word + (is_norm(recorded) ? " norm of " : " of ") + signal + (what.empty() ? "" : what + "]");
+  const bool settles = statistic == Statistic::SettlingTime;  // of a vector, not of its norm
+  std::string text = word + (is_norm(recorded) && !settles ? " norm of " : " of ") + signal +
+                     (what.empty() ? "" : what + "]");
   if (above_hz > 0) text += " above " + WithUnit(above_hz, "Hz");
-  if (statistic == Statistic::SettlingTime)
+  if (settles)
     text += " to within " + WithUnit(band, UnitOf(*this, recorded)) + " of " +
             (settles_at == SettlesAt::Zero ? "zero" : "its final mean");
   if (from_s > 0) text += " from " + WithUnit(from_s, "s");
