@@ -19,18 +19,6 @@ double LargestTurn(const RunData& run) {
   return Largest((q.colwise() - q.col(0)).cwiseAbs());
 }
 
-/// A claim as it is stated in all three places: file, report, verdict.
-Claim Stated(const ClaimSource& source, std::string measured, std::string criterion,
-             std::string basis, bool holds) {
-  return {.id = source.id,
-          .source = source.source,
-          .paper = source.paper,
-          .measured = std::move(measured),
-          .criterion = std::move(criterion),
-          .basis = std::move(basis),
-          .holds = holds};
-}
-
 /// The largest part of a limit that a joint used: of velocity, torque and, counted from the middle
 /// of its range, of position. 1: all of it.
 double UseOfLimits(const RunData& run, int joint) {
@@ -129,12 +117,13 @@ Claim StandsStill::Check(const Runs& runs) const {
   // Ideal: the states are at rest, so the integrator adds nothing; what its tolerance would allow
   // is the bound.
   const double bound = real ? StaticOffset(of) : of.scenario.integrator.absolute_tolerance;
-  return Stated(claim, "joints " + WithUnit(turn, "rad") + ", tool " + WithUnit(shift, "m"),
-                real ? "tool below " + WithUnit(bound, "m") + "; the null space has no stiffness"
-                     : "below " + WithUnit(bound, "rad") + " and " + WithUnit(bound, "m"),
-                real ? kOffsetBasis
-                     : "the integrator's absolute tolerance; round-off alone leaves some 1e-15",
-                shift < bound && (real || turn < bound));
+  return claim.Stated(
+      "joints " + WithUnit(turn, "rad") + ", tool " + WithUnit(shift, "m"),
+      real ? "tool below " + WithUnit(bound, "m") + "; the null space has no stiffness"
+           : "below " + WithUnit(bound, "rad") + " and " + WithUnit(bound, "m"),
+      real ? kOffsetBasis
+           : "the integrator's absolute tolerance; round-off alone leaves some 1e-15",
+      shift < bound && (real || turn < bound));
 }
 
 void HoldsTool::RequireFit(const Scenario& scenario) const { RequireEveryTick(scenario); }
@@ -145,8 +134,8 @@ Claim HoldsTool::Check(const Runs& runs) const {
   const ComplianceControl::Options& o = of.control;
   const double turn = LargestTurn(of) * kDegrees;
   const bool moves = joints_more_than_deg > 0;
-  return Stated(
-      claim, (moves ? "joints " + Text(std::round(10 * turn) / 10) + "°; " : "") + tool.measured(),
+  return claim.Stated(
+      (moves ? "joints " + Text(std::round(10 * turn) / 10) + "°; " : "") + tool.measured(),
       (moves ? "joints more than " + Text(joints_more_than_deg) + "°; " : "") + "tool below " +
           Text(factor) + " times the predicted peaks",
       (moves ? Text(joints_more_than_deg) + "°: well above what the stiff run moves; " : "") +
@@ -172,16 +161,16 @@ Claim YieldsAsInertia::Check(const Runs& runs) const {
   const Eigen::Vector3d expected = StaticError(of).col(k).tail(3);
   const double off = (e - expected).norm() / expected.norm();
   const std::string stiffness = Text(of.control.pose.stiffness);
-  return Stated(claim,
-                "tool " + WithUnit(e.norm(), "m") + ", Λ⁻¹F/" + stiffness + " is " +
-                    WithUnit(expected.norm(), "m") + "; they differ by " +
-                    Text(std::round(1000 * off) / 10) + " %",
-                "they differ by less than " + Text(100 * within) + " %, as vectors",
-                "EC (9) at rest, Λ at the measured q, at the end of the push's plateau, when the "
-                "transients of s² + " +
-                    Text(of.control.pose.damping) + " s + " + stiffness + " are over; " +
-                    Text(100 * within) + " % leaves room for the drift of the null space",
-                off < within);
+  return claim.Stated(
+      "tool " + WithUnit(e.norm(), "m") + ", Λ⁻¹F/" + stiffness + " is " +
+          WithUnit(expected.norm(), "m") + "; they differ by " + Text(std::round(1000 * off) / 10) +
+          " %",
+      "they differ by less than " + Text(100 * within) + " %, as vectors",
+      "EC (9) at rest, Λ at the measured q, at the end of the push's plateau, when the "
+      "transients of s² + " +
+          Text(of.control.pose.damping) + " s + " + stiffness + " are over; " + Text(100 * within) +
+          " % leaves room for the drift of the null space",
+      off < within);
 }
 
 void KeepsLimits::RequireFit(const Scenario& scenario) const { RequireEveryTick(scenario); }
@@ -202,12 +191,11 @@ Claim KeepsLimits::Check(const Runs& runs) const {
         most = use, where = run->arm.model.joint(j).name + ", " + run->title;
     }
   }
-  return Stated(claim,
-                "at most " + Text(std::round(1000 * most) / 10) + " % of a limit (" + where +
-                    "); limits left out in " + Text(relaxed) + " ticks, fallback in " +
-                    Text(fallback),
-                "below 100 % of every position, velocity and torque limit; none left out",
-                "the limits of the robot's model", most < 1 && relaxed == 0 && fallback == 0);
+  return claim.Stated("at most " + Text(std::round(1000 * most) / 10) + " % of a limit (" + where +
+                          "); limits left out in " + Text(relaxed) + " ticks, fallback in " +
+                          Text(fallback),
+                      "below 100 % of every position, velocity and torque limit; none left out",
+                      "the limits of the robot's model", most < 1 && relaxed == 0 && fallback == 0);
 }
 
 }  // namespace pliant

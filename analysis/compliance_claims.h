@@ -2,23 +2,10 @@
 
 #include <string>
 
+#include "pliant/analysis/claim_source.h"
 #include "pliant/analysis/run_data.h"
 
 namespace pliant {
-
-/// Who claims what, and where it stands.
-struct ClaimSource {
-  std::string id;      ///< unique in its experiment
-  std::string source;  ///< the paper and the place in it
-  std::string paper;   ///< what it says
-
-  template <class F>
-  void Parameters(F&& f) {
-    f("id", id);
-    f("source", source);
-    f("paper", paper);
-  }
-};
 
 /// Γ = 0 with the external torque known: the tool stands still, to what friction, sensor offsets
 /// and the leak's clamp leave at rest. Without these the joints stand still too, to the absolute

@@ -64,6 +64,16 @@ struct KnownRun {
   Recording recorded;  // what it will record, without rows
 };
 
+/// Puts the place in front of what is wrong.
+template <class Check>
+void At(const std::string& where, const Check& check) {
+  try {
+    check();
+  } catch (const Error& e) {
+    throw Error(where + ": " + e.what());
+  }
+}
+
 class NamesCheck {
  public:
   explicit NamesCheck(const std::vector<KnownRun>& runs) : runs_{runs} {
@@ -92,16 +102,6 @@ class NamesCheck {
   }
 
  private:
-  /// Puts the place in front of what is wrong.
-  template <class Check>
-  static void At(const std::string& where, const Check& check) {
-    try {
-      check();
-    } catch (const Error& e) {
-      throw Error(where + ": " + e.what());
-    }
-  }
-
   const KnownRun& Run(const std::string& name) const {
     const auto found = std::ranges::find(runs_, name, &KnownRun::name);
     if (found == runs_.end())
@@ -118,6 +118,8 @@ class NamesCheck {
     };
     if constexpr (requires { part.run; }) about({part.run});
     if constexpr (requires { part.runs; }) about(part.runs);
+    if constexpr (requires { part.than; }) about({part.than});
+    if constexpr (requires { part.to; }) about({part.to});
     if constexpr (requires { part.behind_observer; }) {
       about(part.behind_observer);
       about(part.as_if_static);
@@ -126,7 +128,8 @@ class NamesCheck {
     Require(!runs.empty(), "it is about no run");
     for (const std::string& name : runs) {
       const KnownRun& run = Run(name);
-      if constexpr (requires { part.signal; }) part.RequireSound(run.recorded[part.signal]);
+      if constexpr (requires { part.number; }) part.RequireSound(run.recorded[part.number.signal]);
+      if constexpr (requires { part.RequireSound(run.recorded); }) part.RequireSound(run.recorded);
       if constexpr (requires { part.signals; }) {
         Require(!part.signals.empty(), "it shows no signal");
         for (const std::string& signal : part.signals) run.recorded[signal];
@@ -158,6 +161,16 @@ void CheckChanges(const RunOf& run) {
 
 }  // namespace
 
+void RequireRepetitions(const Experiment& experiment, int repetitions) {
+  for (const ClaimCheck& check : experiment.claims)
+    std::visit(
+        [&](const auto& of) {
+          if constexpr (requires { of.RequireRepetitions(repetitions); })
+            At("claim '" + of.claim.id + "'", [&] { of.RequireRepetitions(repetitions); });
+        },
+        check);
+}
+
 ExperimentFile ExperimentFile::ReadText(const std::string& text, const std::string& source,
                                         const Overrides& set) {
   ExperimentFile file{.experiment = Filled(text, source, set, nullptr), .scenarios = {}};
@@ -182,6 +195,7 @@ ExperimentFile ExperimentFile::ReadText(const std::string& text, const std::stri
     }
     at = source;
     NamesCheck{known}(file.experiment);
+    RequireRepetitions(file.experiment, file.experiment.repeat);
   } catch (const Error& e) {
     const std::string_view what = e.what();
     throw what.starts_with(source) || what.starts_with("--set") ? e : Error(at + ": " + e.what());

@@ -6,9 +6,15 @@
 #include <variant>
 #include <vector>
 
+#include "pliant/analysis/bar_figure.h"
 #include "pliant/analysis/bound_claim.h"
 #include "pliant/analysis/compliance_claims.h"
+#include "pliant/analysis/difference_claim.h"
+#include "pliant/analysis/equivalence_claim.h"
 #include "pliant/analysis/experiment_figures.h"
+#include "pliant/analysis/order_claim.h"
+#include "pliant/analysis/path_figure.h"
+#include "pliant/analysis/phase_figure.h"
 #include "pliant/diagrams/scenario.h"
 #include "pliant/plants/parameter_file.h"
 
@@ -28,14 +34,21 @@ struct RunOf {
   }
 };
 
-using ClaimCheck = std::variant<StandsStill, HoldsTool, YieldsAsInertia, KeepsLimits, BoundClaim>;
-using FigureOf = std::variant<VelocityFigure, PredictionFigure, LimitFigure, SignalFigure>;
+/// Of a claim that is checked in each repetition, `Check` makes a Claim of its runs; of one about
+/// all of them, `Judge` makes it of the numbers `Wanted`. What must be so before a run is made:
+/// `RequireFit` of a run's scenario, `RequireSound` of what it will record, `RequireRepetitions`.
+using ClaimCheck = std::variant<StandsStill, HoldsTool, YieldsAsInertia, KeepsLimits, BoundClaim,
+                                OrderClaim, DifferenceClaim, EquivalenceClaim>;
+/// `Draw` makes the figure of the first repetition's runs, or of the numbers `Wanted` in each.
+using FigureOf = std::variant<VelocityFigure, PredictionFigure, LimitFigure, SignalFigure,
+                              PhaseFigure, PathFigure, BarFigure>;
 
 /// A file that can be run: a scenario, its runs, the claims to check and the figures to draw.
 struct Experiment {
   std::string title;
   std::string summary;
   Scenario scenario = {};
+  int repeat = 1;  ///< how often each run is made, with the seeds of the scenario, that + 1, …
   std::vector<RunOf> runs = {};  ///< none: one, named "run"
   std::vector<ClaimCheck> claims = {};
   std::vector<FigureOf> figures = {};
@@ -45,11 +58,15 @@ struct Experiment {
     f("title", title);
     f("summary", summary);
     scenario.Parameters(f);
+    f("repeat", repeat, "", Between(1, 100'000));
     f("runs", runs);
     f("claims", claims);
     f("figures", figures);
   }
 };
+
+/// Throws Error if a claim can hold of no results of that many repetitions.
+void RequireRepetitions(const Experiment& experiment, int repetitions);
 
 /// An experiment and the scenario of each of its runs.
 struct ExperimentFile {

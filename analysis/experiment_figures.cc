@@ -14,34 +14,49 @@ namespace {
 
 std::vector<double> Vector(const Eigen::VectorXd& x) { return {x.begin(), x.end()}; }
 
-std::vector<Band> PushBands(const RunData& run) {
-  std::vector<Band> bands;
-  for (const Push::Options& push : PushesOf(run.scenario))
-    bands.push_back({push.start_s, push.start_s + push.duration_s});
-  return bands;
-}
-
-/// The sum of the norms of the pushes [N].
-Eigen::VectorXd PushForce(const RunData& run) {
+/// The sum of the norms of the forces of all contacts of the environment [N].
+Eigen::VectorXd ContactForces(const RunData& run) {
+  constexpr std::array<std::string_view, 4> kKinds{"push_", "hand_", "mass_", "surface_"};
   Eigen::VectorXd force = Eigen::VectorXd::Zero(run.times().size());
-  for (std::size_t i = 1; i <= PushesOf(run.scenario).size(); ++i) {
-    const RecordedSignal& push = run.log["push_" + std::to_string(i) + ".force"];
-    force += (push["force[x]"].array().square() + push["force[y]"].array().square() +
-              push["force[z]"].array().square())
-                 .sqrt()
-                 .matrix();
+  for (const RecordedSignal& signal : run.log.signals()) {
+    const auto named = [&](std::string_view kind) { return signal.path.starts_with(kind); };
+    if (signal.type != ContactForce::quantity.name || std::ranges::none_of(kKinds, named)) continue;
+    const std::array<Eigen::Index, 3> rows{signal.row("force[x]"), signal.row("force[y]"),
+                                           signal.row("force[z]")};
+    force += Norms(signal.numbers(rows, Eigen::all));
   }
   return force;
 }
 
 }  // namespace
 
+void RequireFileName(const std::string& name) {
+  const bool fit = std::ranges::all_of(
+      name, [](unsigned char c) { return c < 0x80 && (std::isalnum(c) || c == '_' || c == '-'); });
+  Require(fit, "its name, which names its file, has letters, digits, '_' and '-'",
+          "'" + name + "'");
+  Require(name.size() <= 100, "its name has at most 100 letters", name.size());
+}
+
+std::vector<Band> ContactBands(const Scenario& scenario) {
+  std::vector<Band> bands;
+  const auto add = [&](double start, double duration) {
+    bands.push_back({start, start + duration});
+  };
+  for (const EnvironmentPart& part : scenario.environment) {
+    if (const auto* push = std::get_if<Push::Options>(&part)) add(push->start_s, push->duration_s);
+    if (const auto* hold = std::get_if<HandHold>(&part)) add(hold->start_s, hold->duration_s);
+  }
+  return bands;
+}
+
 Figure VelocityFigure::Draw(const Runs& all) const {
   Figure figure{
       .name = file(),
       .caption =
           "Norms of the tool's linear and angular velocity and of the joint velocity, and "
-          "(orange) the pushes. A column for each run.",
+          "(orange) the forces of all contacts. Shaded: while something pushes or a "
+          "hand holds. A column for each run.",
       .columns = static_cast<int>(runs.size())};
   struct Row {
     const char* label;
@@ -57,7 +72,7 @@ Figure VelocityFigure::Draw(const Runs& all) const {
     for (const std::string& name : runs) top = std::max(top, 1.1 * Largest(row.norms(all[name])));
     for (const std::string& name : runs) {
       const RunData& run = all[name];
-      const Eigen::VectorXd force = PushForce(run);
+      const Eigen::VectorXd force = ContactForces(run);
       const std::vector<double> t = Vector(run.times());
       figure.panels.push_back(
           {.title = &row == &rows.front() ? run.title : "",
@@ -66,7 +81,7 @@ Figure VelocityFigure::Draw(const Runs& all) const {
            .right = {.label = "force [N]", .from = 0, .to = 1.25 * std::max(1.0, Largest(force))},
            .curves = {{.label = "", .x = t, .y = Vector(row.norms(run))},
                       {.label = "", .x = t, .y = Vector(force), .side = Side::Right}},
-           .x_bands = PushBands(run)});
+           .x_bands = ContactBands(run.scenario)});
     }
   }
   return figure;
@@ -87,7 +102,7 @@ Figure PredictionFigure::Draw(const Runs& all) const {
                      .x = Vector(run.times()),
                      .y = millimetres(run["control.pose_error"])},
                     {.label = how, .x = Vector(run.times()), .y = millimetres(predicted)}},
-         .x_bands = PushBands(run)});
+         .x_bands = ContactBands(run.scenario)});
   };
   for (const std::string& name : behind_observer)
     add(all[name], PredictedError(all[name]), "predicted");
@@ -124,14 +139,6 @@ Figure LimitFigure::Draw(const Runs& all) const {
   return figure;
 }
 
-void SignalFigure::RequireFit(const Scenario&) const {
-  const bool fit = std::ranges::all_of(
-      name, [](unsigned char c) { return c < 0x80 && (std::isalnum(c) || c == '_' || c == '-'); });
-  Require(fit, "its name, which names its file, has letters, digits, '_' and '-'",
-          "'" + name + "'");
-  Require(name.size() <= 100, "its name has at most 100 letters", name.size());
-}
-
 Figure SignalFigure::Draw(const Runs& all) const {
   Figure figure{.name = name, .caption = caption, .columns = static_cast<int>(runs.size())};
   for (const std::string& path : signals) {
@@ -143,7 +150,7 @@ Figure SignalFigure::Draw(const Runs& all) const {
                   .left = {.label = path + (units.size() == 1 && !units.begin()->empty()
                                                 ? " [" + *units.begin() + "]"
                                                 : "")},
-                  .x_bands = PushBands(all[run])};
+                  .x_bands = ContactBands(all[run].scenario)};
       for (std::size_t i = 0; i < signal.elements.size(); ++i)
         panel.curves.push_back(
             {.label = signal.elements[i],

@@ -8,17 +8,27 @@
 
 namespace pliant {
 
-/// EC-fig6: norms of the tool's linear and angular velocity and of the joint velocity, and the
-/// force of the pushes; a column for each run.
+/// Throws Error unless a figure's name can name its files.
+void RequireFileName(const std::string& name);
+
+/// While a push lasts or a hand holds.
+std::vector<Band> ContactBands(const Scenario& scenario);
+
+/// EC-fig6: norms of the tool's linear and angular velocity and of the joint velocity, and the sum
+/// of the norms of the forces of all contacts: pushes, hands, masses and surfaces. A column for
+/// each run.
 struct VelocityFigure {
   static constexpr const char* kTag = "Velocities";
+  std::string name = "velocities";
   std::vector<std::string> runs;
 
   template <class F>
   void Parameters(F&& f) {
+    f("name", name);
     f("runs", runs);
   }
-  std::string file() const { return "velocities"; }
+  std::string file() const { return name; }
+  void RequireFit(const Scenario&) const { RequireFileName(name); }
   Figure Draw(const Runs& runs) const;
 };
 
@@ -26,28 +36,34 @@ struct VelocityFigure {
 /// and as if the pushes were static.
 struct PredictionFigure {
   static constexpr const char* kTag = "Predictions";
+  std::string name = "predictions";
   std::vector<std::string> behind_observer;
   std::vector<std::string> as_if_static;
 
   template <class F>
   void Parameters(F&& f) {
+    f("name", name);
     f("behind_observer", behind_observer);
     f("as_if_static", as_if_static);
   }
-  std::string file() const { return "predictions"; }
+  std::string file() const { return name; }
+  void RequireFit(const Scenario&) const { RequireFileName(name); }
   Figure Draw(const Runs& runs) const;
 };
 
 /// Joint positions, velocities and torques of a run as parts of their limits.
 struct LimitFigure {
   static constexpr const char* kTag = "Limits";
+  std::string name = "limits";
   std::string run;
 
   template <class F>
   void Parameters(F&& f) {
+    f("name", name);
     f("run", run);
   }
-  std::string file() const { return "limits"; }
+  std::string file() const { return name; }
+  void RequireFit(const Scenario&) const { RequireFileName(name); }
   Figure Draw(const Runs& runs) const;
 };
 
@@ -65,7 +81,7 @@ struct SignalFigure {
     f("signals", signals);
   }
   std::string file() const { return name; }
-  void RequireFit(const Scenario& scenario) const;  ///< its name can be that of a file
+  void RequireFit(const Scenario&) const { RequireFileName(name); }
   Figure Draw(const Runs& runs) const;
 };
 

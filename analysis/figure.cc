@@ -102,6 +102,20 @@ void CheckPanel(const std::string& where, const Panel& panel) {
   for (const Bar& bar : panel.bars)
     Require(bar.deviation >= 0, where + "bar '" + bar.label + "': the deviation must be ≥ 0",
             bar.deviation);
+  for (const Bracket& bracket : panel.brackets) {
+    Require(bracket.from < panel.bars.size() && bracket.to < panel.bars.size(),
+            where + "bracket '" + bracket.label + "': it is over two of " +
+                std::to_string(panel.bars.size()) + " bars, counted from 0",
+            std::to_string(bracket.from) + " and " + std::to_string(bracket.to));
+    Require(bracket.from != bracket.to,
+            where + "bracket '" + bracket.label + "': it is over two different bars",
+            std::to_string(bracket.from) + " twice");
+  }
+  Require(!panel.equal_scales || !(panel.x.logarithmic || panel.left.logarithmic),
+          where + "axes of equal scales are not logarithmic");
+  for (const LimitLine& limit : panel.x_limits)
+    Require(internal::IsDrawable(Place(limit.at, panel.x)),
+            where + "limit '" + limit.label + "' must be finite", limit.at);
   for (const auto* bands : {&panel.x_bands, &panel.y_bands})
     for (const Band& band : *bands)
       Require(band.from < band.to, where + "band '" + band.label + "': it goes from less to more",
@@ -124,7 +138,20 @@ Range XRange(const Panel& panel) {
     in_time = in_time && !panel.x.logarithmic && curve.draw != Curve::Draw::Points &&
               std::ranges::is_sorted(curve.x);
   }
+  for (const LimitLine& limit : panel.x_limits) range.Cover(Place(limit.at, panel.x));
   return Widened(range, in_time ? 1e-3 : 0.04);  // the last tick stands at its end
+}
+
+/// The height of a bracket: above all bars, each above the one before.
+double BracketAt(const Panel& panel, std::size_t number) {
+  Range range;
+  range.Cover(0);
+  for (const Bar& bar : panel.bars) {
+    range.Cover(bar.mean + bar.deviation);
+    range.Cover(bar.mean - bar.deviation);
+  }
+  const double height = range.to > range.from ? range.to - range.from : 1;
+  return range.to + (0.1 + 0.16 * static_cast<double>(number)) * height;
 }
 
 Range YRange(const Panel& panel, Side side) {
@@ -139,6 +166,9 @@ Range YRange(const Panel& panel, Side side) {
     for (const Bar& bar : panel.bars)
       for (const double y : {0.0, bar.mean - bar.deviation, bar.mean + bar.deviation})
         range.Cover(y);
+  // As much again as the brackets take, of what the bars take.
+  if (side == Side::Left && !panel.brackets.empty() && !range.empty())
+    range.Cover(BracketAt(panel, panel.brackets.size()));
   return Widened(range, 0.06);
 }
 
@@ -194,6 +224,8 @@ class Script {
   void Bands(const Panel& panel);
   void Limits(const Panel& panel);
   void Curves(const Panel& panel);
+  void Dashes(const Curve& curve);
+  void Brackets(const Panel& panel, const std::vector<double>& at);
   void Bars(const Panel& panel);
   void Rectangle(const std::string& from, const std::string& to, const Colour& colour,
                  const std::string& label);
@@ -214,7 +246,11 @@ Script::Script(const Figure& figure) : figure_{figure} {
       std::min(static_cast<std::size_t>(figure.columns), figure.panels.size());
   const std::size_t rows = (figure.panels.size() + columns - 1) / columns;
   const bool many = std::ranges::any_of(figure.panels, HasManyLabels);
-  const std::size_t height = rows == 1 && columns == 1 ? 400 : columns == 1 && !many ? 250 : 340;
+  const bool equal = std::ranges::any_of(figure.panels, &Panel::equal_scales);
+  const std::size_t height = columns == 1 && equal       ? 600
+                             : rows == 1 && columns == 1 ? 400
+                             : columns == 1 && !many     ? 250
+                                                         : 340;
   const auto inches = [](double pixels) { return Number(pixels / 96); };
   text_ << "# gnuplot " << figure.name << ".gp > " << figure.name << ".svg\n"
         << "# gnuplot -e 'pdf = 1' " << figure.name << ".gp > " << figure.name << ".pdf\n"
@@ -242,7 +278,8 @@ Script::Script(const Figure& figure) : figure_{figure} {
 }
 
 void Script::Draw(const Panel& panel, bool names_x) {
-  text_ << "\nunset object\nunset arrow\n";
+  text_ << "\nunset object\nunset arrow\nunset label\n"
+        << (panel.equal_scales ? "set size ratio -1\n" : "set size noratio\n");
   plots_.clear();
   Labels(panel, names_x);
   Ranges(panel);
@@ -274,8 +311,17 @@ void Script::Ranges(const Panel& panel) {
     text_ << (axis.logarithmic ? "set" : "unset") << " logscale " << name << "\nset " << name
           << "range [" << Number(range.from) << ":" << Number(range.to) << "]\n";
   };
-  set("x", SharedXRange(figure_, panel), panel.x);
-  set("y", Chosen(YRange(panel, Side::Left), panel.left), panel.left);
+  Range x = SharedXRange(figure_, panel), y = Chosen(YRange(panel, Side::Left), panel.left);
+  if (panel.equal_scales) {
+    // As long as each other: a thin strip has no room for its numbers.
+    const double length = std::max(x.to - x.from, y.to - y.from);
+    for (Range* range : {&x, &y}) {
+      const double middle = (range->from + range->to) / 2;
+      *range = {middle - length / 2, middle + length / 2};
+    }
+  }
+  set("x", x, panel.x);
+  set("y", y, panel.left);
   set("y2", Chosen(YRange(panel, Side::Right), panel.right), panel.right);
 }
 
@@ -283,6 +329,10 @@ void Script::Curves(const Panel& panel) {
   const bool right = UsesRight(panel);
   std::array<std::size_t, 2> drawn{};  // on each side
   for (const Curve& curve : panel.curves) {
+    if (curve.draw == Curve::Draw::Dashes) {
+      Dashes(curve);
+      continue;
+    }
     const bool on_the_right = curve.side == Side::Right;
     const std::span<const Colour> colours = on_the_right
                                                 ? std::span<const Colour>(internal::kOnTheRight)
@@ -305,6 +355,16 @@ void Script::Curves(const Panel& panel) {
   }
 }
 
+void Script::Dashes(const Curve& curve) {
+  const std::string look =
+      " with lines ls 102" + (curve.label.empty() ? " notitle" : " title " + Quoted(curve.label));
+  const std::string block = internal::DataOf(curve);
+  plots_ += ", \\\n  ";
+  plots_ += block.empty() ? "keyentry" + look
+                          : AddBlock(curve.label, block) + " using 1:2 axes x1" +
+                                (curve.side == Side::Right ? "y2" : "y1") + look;
+}
+
 void Script::Bars(const Panel& panel) {
   if (panel.bars.empty()) return;
   std::vector<std::string> groups, labels;
@@ -324,16 +384,19 @@ void Script::Bars(const Panel& panel) {
     text_ << (g ? ", " : "") << Quoted(groups[g]) << " " << g;
   text_ << ")\nset xrange [-0.6:" << Number(static_cast<double>(groups.size()) - 0.4) << "]\n";
 
+  std::vector<double> at(panel.bars.size());
   for (std::size_t l = 0; l < labels.size(); ++l) {
     const double offset =
         width * (static_cast<double>(l) - 0.5 * static_cast<double>(labels.size() - 1));
     std::string block;
     bool scatters = false;
-    for (const Bar& bar : panel.bars) {
-      if (bar.label != labels[l] || !internal::IsDrawable(bar.mean)) continue;
+    for (std::size_t i = 0; i < panel.bars.size(); ++i) {
+      const Bar& bar = panel.bars[i];
+      if (bar.label != labels[l]) continue;
+      at[i] = place(groups, bar.group) + offset;
+      if (!internal::IsDrawable(bar.mean)) continue;
       const double deviation = internal::IsDrawable(bar.deviation) ? bar.deviation : 0;
-      block += Number(place(groups, bar.group) + offset) + " " + Number(bar.mean) + " " +
-               Number(deviation) + "\n";
+      block += Number(at[i]) + " " + Number(bar.mean) + " " + Number(deviation) + "\n";
       scatters = scatters || deviation > 0;
     }
     if (block.empty()) continue;
@@ -344,6 +407,24 @@ void Script::Bars(const Panel& panel) {
       plots_ += from +
                 " using 1:($2-$3):(0):(2*$3) with vectors heads size screen 0.004,90 lw 1.2 lc " +
                 Rgb(internal::kInk) + " notitle";
+  }
+  Brackets(panel, at);
+}
+
+void Script::Brackets(const Panel& panel, const std::vector<double>& at) {
+  const double foot = 0.03 * (BracketAt(panel, 1) - BracketAt(panel, 0)) / 0.16;
+  for (std::size_t i = 0; i < panel.brackets.size(); ++i) {
+    const Bracket& bracket = panel.brackets[i];
+    const double y = BracketAt(panel, i), from = at[bracket.from], to = at[bracket.to];
+    const auto line = [&](double x1, double y1, double x2, double y2) {
+      text_ << "set arrow from first " << Number(x1) << "," << Number(y1) << " to first "
+            << Number(x2) << "," << Number(y2) << " nohead ls 100 front\n";
+    };
+    line(from, y - foot, from, y);
+    line(from, y, to, y);
+    line(to, y, to, y - foot);
+    text_ << "set label " << Quoted(bracket.label) << " at first " << Number((from + to) / 2) << ","
+          << Number(y) << " center offset 0,0.55 textcolor " << Rgb(internal::kInk) << " front\n";
   }
 }
 
@@ -373,6 +454,12 @@ void Script::Limits(const Panel& panel) {
     const std::string axis = limit.side == Side::Right ? "second " : "first ";
     text_ << "set arrow from graph 0, " << axis << Number(limit.at) << " to graph 1, " << axis
           << Number(limit.at) << " nohead ls 102 front\n";
+    if (!limit.label.empty())
+      plots_ += ", \\\n  keyentry with lines ls 102 title " + Quoted(limit.label);
+  }
+  for (const LimitLine& limit : panel.x_limits) {
+    text_ << "set arrow from first " << Number(limit.at) << ", graph 0 to first "
+          << Number(limit.at) << ", graph 1 nohead ls 102 front\n";
     if (!limit.label.empty())
       plots_ += ", \\\n  keyentry with lines ls 102 title " + Quoted(limit.label);
   }

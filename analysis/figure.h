@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -12,7 +13,7 @@ enum class Side { Left, Right };
 
 /// Points joined in their order. Values that are not finite leave a gap.
 struct Curve {
-  enum class Draw { Line, Steps, Points };
+  enum class Draw { Line, Steps, Points, Dashes };  ///< Dashes: grey, as a limit
 
   std::string label;  ///< in the legend; empty: not there
   std::vector<double> x, y;
@@ -28,13 +29,19 @@ struct Bar {
   double deviation = 0;
 };
 
+/// A bracket over two bars of a panel, counted from 0, such as what a test says of them.
+struct Bracket {
+  std::size_t from, to;
+  std::string label;
+};
+
 /// A shaded interval; an end may be infinite.
 struct Band {
   double from, to;
   std::string label = {};
 };
 
-/// A dashed line across the panel.
+/// A dashed line across the panel, or upright.
 struct LimitLine {
   double at;
   std::string label = {};
@@ -53,10 +60,13 @@ struct Panel {
   std::string title = {};
   Axis x = {}, left = {}, right = {};
   std::vector<Curve> curves = {};
-  std::vector<Bar> bars = {};          ///< instead of curves
-  std::vector<LimitLine> limits = {};  ///< across, at a value of y
-  std::vector<Band> x_bands = {};      ///< such as while a push lasts
-  std::vector<Band> y_bands = {};      ///< of the left axis, such as beyond a bound
+  std::vector<Bar> bars = {};            ///< instead of curves
+  std::vector<Bracket> brackets = {};    ///< above the bars, each on a line of its own
+  std::vector<LimitLine> limits = {};    ///< across, at a value of y
+  std::vector<LimitLine> x_limits = {};  ///< upright, at a value of x; of no side
+  std::vector<Band> x_bands = {};        ///< such as while a push lasts
+  std::vector<Band> y_bands = {};        ///< of the left axis, such as beyond a bound
+  bool equal_scales = false;             ///< one length for a unit of x and of the left axis
 };
 
 /// Panels in rows of `columns`: 1 stacks them, and panels of one x label share its range.

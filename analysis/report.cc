@@ -110,11 +110,10 @@ Table ExtentsTable(const std::string& title, const std::string& unit,
 }
 
 void WriteReport(const Report& report, const std::filesystem::path& directory) {
-  WriteReport(report, {}, directory);
+  WriteReport(report, Runs(), directory);
 }
 
-void WriteReport(const Report& report, const std::vector<RunData>& runs,
-                 const std::filesystem::path& directory) {
+void WriteReport(const Report& report, const Runs& runs, const std::filesystem::path& directory) {
   Check(report);
   internal::MakeDirectory(directory);
   // What can fail for other reasons than a full disk comes first.

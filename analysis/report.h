@@ -66,20 +66,19 @@ struct Report {
   std::optional<Timing> timing = {};
 };
 
-struct RunData;
+class Runs;
 
 /// Writes
 ///
 ///   verdict.json               {"claims": [{"id", "source", "paper", "measured", "criterion",
 ///                              "basis", "holds"}]}
 ///   figures/NAME.svg .pdf …    see DrawFigure
-///   report.html                all of it in one page that asks for no other file, with the runs:
-///                              the first repetition, to zoom into and to replay
+///   report.html                all of it in one page that asks for no other file, with the runs of
+///                              one repetition, to zoom into and to replay
 ///
 /// Each file is moved into place when it is whole. Throws Error, with the file and the reason, or
 /// with what is wrong in the report before anything is written.
-void WriteReport(const Report& report, const std::vector<RunData>& runs,
-                 const std::filesystem::path& directory);
+void WriteReport(const Report& report, const Runs& runs, const std::filesystem::path& directory);
 void WriteReport(const Report& report, const std::filesystem::path& directory);
 
 }  // namespace pliant

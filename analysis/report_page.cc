@@ -251,16 +251,16 @@ Table TimingTable(const Timing& t) {
 }
 
 /// The scenario as it was run, to unfold.
-std::string ScenarioOf(const std::vector<RunData>& runs) {
-  if (runs.empty()) return "";
+std::string ScenarioOf(const Runs& runs) {
+  if (runs.all().empty()) return "";
   return In("details", In("summary", "The scenario, with everything that was left out filled in") +
-                           In("pre", Escaped(runs.front().experiment)));
+                           In("pre", Escaped(runs.all().front()->experiment)));
 }
 
 }  // namespace
 
 std::string internal::ReportPage(const Report& report, const std::vector<std::string>& drawings,
-                                 const std::vector<RunData>& runs) {
+                                 const Runs& runs) {
   std::string before = In("h1", Escaped(report.title)) + TallyOf(report.claims) +
                        In("p", Escaped(report.summary)) + SettingsOf(report.settings) +
                        ScenarioOf(runs) + ClaimsOf(report.claims);
@@ -270,11 +270,8 @@ std::string internal::ReportPage(const Report& report, const std::vector<std::st
 
   constexpr std::size_t kPage = 4'900'000, kScript = 800'000, kLeast = 500'000;
   const std::size_t used = before.size() + behind.size() + kScript;
-  std::vector<const RunData*> shown;
-  for (const RunData& run : runs)
-    if (run.repetition == runs.front().repetition) shown.push_back(&run);
   const ReplaySection replay =
-      ReplaySectionOf(shown, used + kLeast < kPage ? kPage - used : kLeast);
+      ReplaySectionOf(runs.all(), used + kLeast < kPage ? kPage - used : kLeast);
   return "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
          "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n" +
          In("title", Escaped(report.title)) + In("style", Sheet()) + "</head>\n" +

@@ -10,6 +10,6 @@ namespace pliant::internal {
 /// The page, with a drawing for each of the report's figures, and with its runs. Less than 5 MB
 /// where the figures allow it.
 std::string ReportPage(const Report& report, const std::vector<std::string>& drawings,
-                       const std::vector<RunData>& runs);
+                       const Runs& runs);
 
 }  // namespace pliant::internal

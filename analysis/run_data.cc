@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 
+#include "pliant/analysis/mcap_reader.h"
 #include "pliant/plants/parameter_file.h"
 #include "pliant/systems/nearest_name.h"
 
@@ -29,13 +30,9 @@ Number NumberOf(const Texts& words, const std::string& key) {
   return number;
 }
 
-}  // namespace
-
-RunData RunData::Read(const std::filesystem::path& file) {
-  RunData run;
+RunHeading HeadingOf(const std::filesystem::path& file, const Recording::Metadata& metadata) {
+  RunHeading run;
   run.file = file;
-  run.log = Recording::Read(file);
-  const Recording::Metadata& metadata = run.log.metadata();
   const auto pliant = metadata.find("pliant");
   if (pliant == metadata.end())
     throw Error(file.string() +
@@ -46,11 +43,6 @@ RunData RunData::Read(const std::filesystem::path& file) {
   run.built_with = WordOf(pliant->second, "built_with", file.string());
   run.experiment = WordOf(pliant->second, "experiment", file.string());
   run.repetition = NumberOf<int>(pliant->second, "repetition");
-  ParameterFile::ReadText(WordOf(pliant->second, "scenario", file.string()),
-                          file.string() + ": scenario")
-      .Fill(run.scenario);
-  run.arm = StationOf(run.scenario);
-  run.control = ControllerOf(run.scenario, run.arm);
   const auto ended = metadata.find("pliant.run");
   const Texts none, &end = ended == metadata.end() ? none : ended->second;
   run.timing = {.simulated_s = NumberOf<double>(end, "simulated_s"),
@@ -59,6 +51,27 @@ RunData RunData::Read(const std::filesystem::path& file) {
                 .integrator_steps = NumberOf<std::int64_t>(end, "integrator_steps"),
                 .derivative_calls = NumberOf<std::int64_t>(end, "derivative_calls")};
   run.whole = NumberOf<int>(end, "whole") == 1;
+  return run;
+}
+
+}  // namespace
+
+RunHeading RunHeading::Read(const std::filesystem::path& file) {
+  const McapReader reader(file);
+  // What it lacks may be what is damaged, which reading it all finds out and says.
+  if (!reader.fault().empty()) Recording::Read(file);
+  return HeadingOf(file, reader.metadata());
+}
+
+RunData RunData::Read(const std::filesystem::path& file) {
+  Recording log = Recording::Read(file);
+  RunData run{HeadingOf(file, log.metadata())};
+  const Texts& pliant = log.metadata().at("pliant");
+  ParameterFile::ReadText(WordOf(pliant, "scenario", file.string()), file.string() + ": scenario")
+      .Fill(run.scenario);
+  run.arm = StationOf(run.scenario);
+  run.control = ControllerOf(run.scenario, run.arm);
+  run.log = std::move(log);
   return run;
 }
 

@@ -12,8 +12,8 @@
 
 namespace pliant {
 
-/// What one run was and what it left: read from its log alone.
-struct RunData {
+/// What the log of a run says of it, without its rows.
+struct RunHeading {
   std::filesystem::path file;
   std::string name;        ///< of the run in its experiment
   std::string title;       ///< for tables and figures
@@ -21,11 +21,18 @@ struct RunData {
   std::string experiment;  ///< the effective file, as YAML
   std::string version;     ///< of pliant
   std::string built_with;  ///< compiler and libraries that results may depend on
+  Timing timing = {};
+  bool whole = true;  ///< it reached its end
+
+  /// Throws Error with the file if it is no log of a run.
+  static RunHeading Read(const std::filesystem::path& file);
+};
+
+/// What one run was and what it left: read from its log alone.
+struct RunData : RunHeading {
   Scenario scenario = {};
   SimulatedArm::Options arm = {};
   ComplianceControl::Options control = {};
-  Timing timing = {};
-  bool whole = true;  ///< it reached its end
   Recording log = {};
 
   /// Throws Error with the file if it is no log of a run.
@@ -40,6 +47,7 @@ struct RunData {
 /// One repetition of the runs of an experiment, by name.
 class Runs {
  public:
+  Runs() = default;
   explicit Runs(std::vector<const RunData*> runs) : runs_{std::move(runs)} {}
 
   /// Throws Error with the nearest name if there is none.

@@ -1,6 +1,7 @@
 #include "pliant/analysis/run_experiment.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <limits>
@@ -11,6 +12,7 @@
 #include <thread>
 
 #include "pliant/analysis/mcap_log.h"
+#include "pliant/analysis/repeated_number.h"
 #include "pliant/analysis/series.h"
 #include "pliant/analysis/with_unit.h"
 #include "pliant/analysis/write_file.h"
@@ -55,15 +57,16 @@ class Execution {
  public:
   Execution(const ExperimentFile& file, const RunOptions& options)
       : file_{file}, options_{options} {
-    for (int k = 0; k < options.repeat; ++k)
+    for (int k = 0; k < file.experiment.repeat; ++k)
       for (std::size_t i = 0; i < file.scenarios.size(); ++i) {
         Job job{.run = &file.experiment.runs[i],
                 .scenario = file.scenarios[i],
                 .repetition = k,
                 .log = {}};
         job.scenario.seed += static_cast<std::uint64_t>(k);
-        job.log = options.out / "logs" /
-                  (job.run->name + (options.repeat > 1 ? "-" + std::to_string(k) : "") + ".mcap");
+        job.log =
+            options.out / "logs" /
+            (job.run->name + (file.experiment.repeat > 1 ? "-" + std::to_string(k) : "") + ".mcap");
         jobs_.push_back(std::move(job));
       }
   }
@@ -158,7 +161,7 @@ class Execution {
       log->Close();
     };
     const std::string phase =
-        job.run->title + (options_.repeat > 1 ? ", " + std::to_string(job.repetition) : "");
+        job.run->title + (file_.experiment.repeat > 1 ? ", " + std::to_string(job.repetition) : "");
     bool whole = false;
     try {
       const auto parts = static_cast<std::int64_t>(std::ceil(10 * duration));
@@ -262,91 +265,236 @@ std::vector<Setting> SettingsOf(const Runs& runs) {
   return settings;
 }
 
-/// Least and greatest of a quantity of every joint, over all runs.
-std::vector<Extent> Extents(const std::vector<RunData>& runs, const char* path,
-                            double Joint::*lower, double Joint::*upper, double sign) {
-  const RobotModel& model = runs.front().arm.model;
-  std::vector<Extent> extents;
-  for (int j = 0; j < model.size(); ++j) {
-    constexpr double kNone = std::numeric_limits<double>::infinity();
-    Extent e{model.joint(j).name, kNone, -kNone, sign * (model.joint(j).*lower),
-             model.joint(j).*upper};
-    for (const RunData& run : runs) {
-      e.least = std::min(e.least, -Largest(-run[path].row(j)));
-      e.greatest = std::max(e.greatest, Largest(run[path].row(j)));
-    }
-    extents.push_back(e);
-  }
-  return extents;
-}
-
-Experiment ExperimentOf(const RunData& run) {
+Experiment ExperimentOf(const RunHeading& run) {
   Experiment experiment;
   ParameterFile::ReadText(run.experiment, run.file.string() + ": experiment").Fill(experiment);
   return experiment;
 }
 
-/// The runs of each repetition; throws Error if they do not fit together.
-std::vector<Runs> Repetitions(const std::vector<RunData>& runs, const Experiment& experiment) {
-  std::map<int, std::vector<const RunData*>> by_number;
-  for (const RunData& run : runs) {
-    if (run.experiment != runs.front().experiment)
-      throw Error(run.file.string() + ": the log is of another experiment than " +
-                  runs.front().file.string());
-    if (run.times().size() == 0)
-      throw Error(run.file.string() + ": the log has no row; a report needs whole runs");
-    if (!run.whole)
-      throw Error(run.file.string() + ": the run ended at " + Text(run.times().tail<1>()(0)) +
-                  " s of " + Text(run.scenario.duration_s) + " s; a report needs whole runs");
-    by_number[run.repetition].push_back(&run);
+/// A claim about one repetition, over all of them.
+class RepeatedCheck {
+ public:
+  void Add(Claim claim) {
+    ++all_;
+    holding_ += claim.holds;
+    if (!shown_ || (shown_->holds && !claim.holds)) shown_ = std::move(claim);
   }
-  std::vector<Runs> all;
-  for (const auto& [number, of] : by_number) {
-    all.emplace_back(of);
+  Claim claim() const {
+    Claim claim = *shown_;
+    if (all_ == 1) return claim;
+    claim.measured = "holds in " + Text(holding_) + " of " + Text(all_) + " repetitions; in the " +
+                     (claim.holds ? "first: " : "first that fails: ") + claim.measured;
+    claim.criterion += "; in every repetition";
+    return claim;
+  }
+
+ private:
+  std::optional<Claim> shown_;  // of the first repetition, or the first that fails
+  std::size_t holding_ = 0, all_ = 0;
+};
+
+/// Least and greatest of a quantity of every joint.
+class JointExtents {
+ public:
+  JointExtents(const char* title, const char* unit, const char* path, double Joint::*lower,
+               double Joint::*upper, double sign)
+      : title_{title}, unit_{unit}, path_{path}, lower_{lower}, upper_{upper}, sign_{sign} {}
+
+  void Add(const RunData& run) {
+    constexpr double kNone = std::numeric_limits<double>::infinity();
+    const RobotModel& model = run.arm.model;
+    for (int j = 0; j < model.size(); ++j) {
+      const auto i = static_cast<std::size_t>(j);
+      const Joint& joint = model.joint(j);
+      if (i == extents_.size())
+        extents_.push_back({joint.name, kNone, -kNone, sign_ * (joint.*lower_), joint.*upper_});
+      Extent& e = extents_[i];
+      e.least = std::min(e.least, -Largest(-run[path_].row(j)));
+      e.greatest = std::max(e.greatest, Largest(run[path_].row(j)));
+    }
+  }
+  Table table() const { return ExtentsTable(title_, unit_, extents_); }
+
+ private:
+  const char *title_, *unit_, *path_;
+  double Joint::*lower_, Joint::*upper_;
+  double sign_;
+  std::vector<Extent> extents_;
+};
+
+/// Takes the repetitions of an experiment one by one and keeps what a report says of them.
+class Reporting {
+ public:
+  explicit Reporting(const Experiment& experiment)
+      : experiment_{experiment}, checks_(experiment.claims.size()) {
+    report_.title = experiment.title;
+    report_.summary = experiment.summary;
+    report_.timing = Timing{};
+    report_.figures.resize(experiment.figures.size());
+    for (const ClaimCheck& check : experiment.claims)
+      std::visit([&](const auto& of) { claims_.push_back(NumbersOf(of)); }, check);
+    for (const FigureOf& figure : experiment.figures)
+      std::visit([&](const auto& of) { figures_.push_back(NumbersOf(of)); }, figure);
+  }
+
+  void Add(const Runs& runs) {
+    if (++repetitions_ == 1) report_.settings = SettingsOf(runs);
+    for (std::size_t i = 0; i < checks_.size(); ++i)
+      std::visit(
+          [&](const auto& of) {
+            About(of, [&] {
+              if constexpr (requires { of.Check(runs); }) checks_[i].Add(of.Check(runs));
+              for (RepeatedNumber& number : claims_[i]) number.Add(runs);
+            });
+          },
+          experiment_.claims[i]);
+    for (std::vector<RepeatedNumber>& numbers : figures_)
+      for (RepeatedNumber& number : numbers) number.Add(runs);
+    for (std::size_t i = 0; repetitions_ == 1 && i < experiment_.figures.size(); ++i)
+      std::visit(
+          [&](const auto& of) {
+            if constexpr (requires { of.Draw(runs); }) report_.figures[i] = of.Draw(runs);
+          },
+          experiment_.figures[i]);
+    for (const RunData* run : runs.all()) {
+      for (JointExtents& extents : extents_) extents.Add(*run);
+      report_.timing->simulated_s += run->timing.simulated_s;
+      report_.timing->wall_s += run->timing.wall_s;
+      report_.timing->ticks += run->timing.ticks;
+      report_.timing->integrator_steps += run->timing.integrator_steps;
+      report_.timing->derivative_calls += run->timing.derivative_calls;
+    }
+  }
+
+  Report Finish() {
+    if (repetitions_ > 1)
+      report_.settings.push_back({"repetitions", Text(repetitions_) + ", each with its seed"});
+    std::vector<RepeatedNumber> measured;
+    for (std::size_t i = 0; i < checks_.size(); ++i)
+      std::visit(
+          [&](const auto& of) {
+            if constexpr (requires { of.Judge(claims_[i].front()); }) {
+              report_.claims.push_back(of.Judge(claims_[i].front()));
+            } else {
+              report_.claims.push_back(checks_[i].claim());
+            }
+          },
+          experiment_.claims[i]);
+    for (std::size_t i = 0; i < figures_.size(); ++i)
+      std::visit(
+          [&](const auto& of) {
+            if constexpr (requires { of.Draw(figures_[i]); })
+              report_.figures[i] = of.Draw(figures_[i]);
+          },
+          experiment_.figures[i]);
+    for (const auto* all : {&claims_, &figures_})
+      for (const std::vector<RepeatedNumber>& numbers : *all)
+        measured.insert(measured.end(), numbers.begin(), numbers.end());
+    if (repetitions_ > 1 && !measured.empty()) report_.tables.push_back(NumbersTable(measured));
+    for (const JointExtents& extents : extents_) report_.tables.push_back(extents.table());
+    return std::move(report_);
+  }
+
+ private:
+  /// Says which claim cannot be checked.
+  template <class Check, class Act>
+  static void About(const Check& check, const Act& act) {
+    try {
+      act();
+    } catch (const Error& e) {
+      throw Error("claim '" + check.claim.id + "': " + e.what());
+    }
+  }
+
+  /// What a claim or a figure wants measured in every repetition.
+  template <class Part>
+  static std::vector<RepeatedNumber> NumbersOf(const Part& part) {
+    if constexpr (requires { part.Wanted(); }) return part.Wanted();
+    return {};
+  }
+
+  const Experiment& experiment_;
+  Report report_;
+  int repetitions_ = 0;
+  std::vector<RepeatedCheck> checks_;  // one for each claim, as are the numbers
+  std::vector<std::vector<RepeatedNumber>> claims_, figures_;
+  std::array<JointExtents, 3> extents_{
+      {{"Joint positions, all runs", "rad", "arm.measured_position", &Joint::lower, &Joint::upper,
+        1},
+       {"Joint velocities, all runs", "rad/s", "arm.measured_velocity", &Joint::velocity,
+        &Joint::velocity, -1},
+       {"Joint torques, all runs", "N·m", "control.torque", &Joint::effort, &Joint::effort, -1}}};
+};
+
+/// By number of repetition, the places of its runs in the order of the experiment; throws Error if
+/// they do not fit together.
+std::map<int, std::vector<std::size_t>> Repetitions(const std::vector<RunHeading>& runs,
+                                                    const Experiment& experiment) {
+  std::map<int, std::vector<std::size_t>> all;
+  for (std::size_t i = 0; i < runs.size(); ++i) all[runs[i].repetition].push_back(i);
+  for (auto& [number, of] : all) {
     for (const RunOf& run : experiment.runs) {
-      const auto count = std::ranges::count(of, run.name, &RunData::name);
+      const auto count = std::ranges::count(
+          of, run.name, [&](std::size_t i) -> const std::string& { return runs[i].name; });
       if (count != 1)
         throw Error("repetition " + Text(number) + " has " +
                     (count == 0 ? "no log" : Text(count) + " logs") + " of run '" + run.name +
                     "'; a report needs one of each run");
     }
+    std::ranges::stable_sort(of, {}, [&](std::size_t i) {
+      return std::ranges::find(experiment.runs, runs[i].name, &RunOf::name);
+    });
   }
   return all;
 }
 
-Claim Checked(const ClaimCheck& check, const std::vector<Runs>& repetitions) {
-  std::optional<Claim> shown;  // of the first repetition, or the first that fails
-  std::size_t holding = 0;
-  for (const Runs& runs : repetitions) {
-    Claim claim = std::visit([&](const auto& of) { return of.Check(runs); }, check);
-    holding += claim.holds;
-    if (!shown || (shown->holds && !claim.holds)) shown = std::move(claim);
-  }
-  if (repetitions.size() > 1) {
-    shown->measured = "holds in " + Text(holding) + " of " + Text(repetitions.size()) +
-                      " repetitions; in the " + (shown->holds ? "first: " : "first that fails: ") +
-                      shown->measured;
-    shown->criterion += "; in every repetition";
-  }
-  return *shown;
+using ReadOne = std::function<std::shared_ptr<const RunData>(std::size_t)>;
+
+void RequireRows(const RunData& run) {
+  if (run.times().size() == 0)
+    throw Error(run.file.string() + ": the log has no row; a report needs whole runs");
 }
 
-Timing TimingOf(const std::vector<RunData>& runs) {
-  Timing all{};
-  for (const RunData& run : runs) {
-    all.simulated_s += run.timing.simulated_s;
-    all.wall_s += run.timing.wall_s;
-    all.ticks += run.timing.ticks;
-    all.integrator_steps += run.timing.integrator_steps;
-    all.derivative_calls += run.timing.derivative_calls;
+/// Before any run is read whole, as far as that can be said then.
+void RequireWhole(const std::vector<RunHeading>& runs, const ReadOne& read) {
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    if (runs[i].experiment != runs.front().experiment)
+      throw Error(runs[i].file.string() + ": the log is of another experiment than " +
+                  runs.front().file.string());
+    if (runs[i].whole) continue;
+    const std::shared_ptr<const RunData> run = read(i);
+    RequireRows(*run);
+    throw Error(run->file.string() + ": the run ended at " + Text(run->times().tail<1>()(0)) +
+                " s of " + Text(run->scenario.duration_s) + " s; a report needs whole runs");
   }
-  return all;
+}
+
+RunsReport Reported(const std::vector<RunHeading>& headings, const ReadOne& read) {
+  Require(!headings.empty(), "a report needs the log of a run");
+  RequireWhole(headings, read);
+  const Experiment experiment = ExperimentOf(headings.front());
+  const std::map<int, std::vector<std::size_t>> repetitions = Repetitions(headings, experiment);
+  RequireRepetitions(experiment, static_cast<int>(repetitions.size()));
+
+  Reporting reporting(experiment);
+  RunsReport result;
+  for (const auto& [number, of] : repetitions) {
+    RunsReport one;
+    for (const std::size_t i : of) {
+      one.kept.push_back(read(i));
+      RequireRows(*one.kept.back());
+    }
+    reporting.Add(one.runs());
+    if (result.kept.empty()) result.kept = std::move(one.kept);
+  }
+  result.report = reporting.Finish();
+  return result;
 }
 
 }  // namespace
 
 std::vector<std::filesystem::path> RunExperiment(const ExperimentFile& file, const RunOptions& o) {
-  Require(o.repeat >= 1, "repeat must be >= 1", o.repeat);
+  Require(file.experiment.repeat >= 1, "repeat must be >= 1", file.experiment.repeat);
   Require(o.jobs >= 1, "jobs must be >= 1", o.jobs);
   return Execution(file, o).Run();
 }
@@ -362,31 +510,29 @@ std::vector<RunData> ReadRuns(const std::vector<std::filesystem::path>& logs) {
   return runs;
 }
 
-Report ReportOf(const std::vector<RunData>& runs) {
-  Require(!runs.empty(), "a report needs the log of a run");
-  const Experiment experiment = ExperimentOf(runs.front());
-  const std::vector<Runs> repetitions = Repetitions(runs, experiment);
+std::shared_ptr<const RunData> ReadWhole(const std::filesystem::path& log) {
+  return std::make_shared<const RunData>(RunData::Read(log));
+}
 
-  Report report{.title = experiment.title, .summary = experiment.summary};
-  report.settings = SettingsOf(repetitions.front());
-  if (repetitions.size() > 1)
-    report.settings.push_back({"repetitions", Text(repetitions.size()) + ", each with its seed"});
-  for (const ClaimCheck& check : experiment.claims)
-    report.claims.push_back(Checked(check, repetitions));
-  for (const FigureOf& figure : experiment.figures)
-    report.figures.push_back(
-        std::visit([&](const auto& of) { return of.Draw(repetitions.front()); }, figure));
-  const auto extents = [&](const char* title, const char* unit, const char* path,
-                           double Joint::*lower, double Joint::*upper, double sign) {
-    report.tables.push_back(ExtentsTable(title, unit, Extents(runs, path, lower, upper, sign)));
-  };
-  extents("Joint positions, all runs", "rad", "arm.measured_position", &Joint::lower, &Joint::upper,
-          1);
-  extents("Joint velocities, all runs", "rad/s", "arm.measured_velocity", &Joint::velocity,
-          &Joint::velocity, -1);
-  extents("Joint torques, all runs", "N·m", "control.torque", &Joint::effort, &Joint::effort, -1);
-  report.timing = TimingOf(runs);
-  return report;
+Runs RunsReport::runs() const {
+  std::vector<const RunData*> all;
+  for (const std::shared_ptr<const RunData>& run : kept) all.push_back(run.get());
+  return Runs(std::move(all));
+}
+
+Report ReportOf(const std::vector<RunData>& runs) {
+  const std::vector<RunHeading> headings(runs.begin(), runs.end());
+  return Reported(headings,
+                  [&](std::size_t i) {
+                    return std::shared_ptr<const RunData>(std::shared_ptr<void>(), &runs[i]);
+                  })
+      .report;
+}
+
+RunsReport ReportOf(const std::vector<std::filesystem::path>& logs, const ReadRun& read) {
+  std::vector<RunHeading> headings;
+  for (const std::filesystem::path& log : logs) headings.push_back(RunHeading::Read(log));
+  return Reported(headings, [&](std::size_t i) { return read(logs[i]); });
 }
 
 }  // namespace pliant

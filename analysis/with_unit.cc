@@ -60,6 +60,12 @@ Prefix PrefixOf(double value, std::string_view unit) {
 
 }  // namespace
 
+ScaledUnit UnitFor(double value, std::string_view unit) {
+  if (!std::isfinite(value)) return {1, std::string(unit)};
+  const Prefix prefix = PrefixOf(value, unit);
+  return {prefix.factor, prefix.text + std::string(unit)};
+}
+
 std::string WithUnit(double value, std::string_view unit) {
   if (std::isnan(value)) return "not a number";
   const Prefix prefix = PrefixOf(value, unit);

@@ -13,4 +13,11 @@ namespace pliant {
 ///   WithUnit(4.2e-5, "m/s")   "42.0 µm/s"     WithUnit(0.00123, "m²")  "0.00123 m²"
 std::string WithUnit(double value, std::string_view unit);
 
+/// The unit in which WithUnit writes a number, such as "mm", and how many of `unit` it is, 1e-3.
+struct ScaledUnit {
+  double factor;
+  std::string unit;
+};
+ScaledUnit UnitFor(double value, std::string_view unit);
+
 }  // namespace pliant

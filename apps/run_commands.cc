@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "pliant/analysis/experiment.h"
@@ -28,18 +29,20 @@ struct Told {
   std::string file;  // or name
   std::vector<std::string> names, set, logs;
   fs::path out;
-  int repeat = 1, jobs = 1;
+  std::optional<int> repeat;  // none: what the file says
+  int jobs = 1;
   bool force = false, strict = false, check = false;
 };
 
-Overrides OverridesOf(const std::vector<std::string>& set) {
+Overrides OverridesOf(const Told& told) {
   Overrides overrides;
-  for (const std::string& text : set) {
+  for (const std::string& text : told.set) {
     const std::size_t sign = text.find('=');
     Require(sign != std::string::npos && sign > 0,
             "--set wants path=value, such as station.ideal=true", text);
     overrides.emplace_back(text.substr(0, sign), text.substr(sign + 1));
   }
+  if (told.repeat) overrides.emplace_back("repeat", std::to_string(*told.repeat));
   return overrides;
 }
 
@@ -61,7 +64,7 @@ void FindGnuplot() {
 }
 
 int WriteAndTell(const Report& report, const fs::path& out, bool strict,
-                 const std::vector<RunData>& runs = {}) {
+                 const Runs& runs = Runs()) {
   std::error_code error;
   fs::create_directories(out, error);
   if (error) throw Error("cannot make the directory " + out.string() + ": " + error.message());
@@ -81,8 +84,8 @@ int WriteAndTell(const Report& report, const fs::path& out, bool strict,
 }
 
 int ReportOnLogs(const std::vector<fs::path>& logs, const Told& told) {
-  const std::vector<RunData> runs = ReadRuns(logs);
-  return WriteAndTell(ReportOf(runs), told.out, told.strict, runs);
+  const RunsReport of = ReportOf(logs);
+  return WriteAndTell(of.report, told.out, told.strict, of.runs());
 }
 
 std::vector<fs::path> Run(const ExperimentFile& file, const Told& told) {
@@ -90,7 +93,6 @@ std::vector<fs::path> Run(const ExperimentFile& file, const Told& told) {
   ProgressLine line;
   try {
     std::vector<fs::path> logs = RunExperiment(file, {.out = told.out,
-                                                      .repeat = told.repeat,
                                                       .jobs = told.jobs,
                                                       .force = told.force,
                                                       .progress = std::ref(line),
@@ -104,7 +106,7 @@ std::vector<fs::path> Run(const ExperimentFile& file, const Told& told) {
 }
 
 int RunFile(const fs::path& path, const Told& told) {
-  const ExperimentFile file = ExperimentFile::Read(path, OverridesOf(told.set));
+  const ExperimentFile file = ExperimentFile::Read(path, OverridesOf(told));
   if (told.check) {
     const std::size_t runs = file.scenarios.size();
     std::printf("%s: %zu %s, nothing is wrong\n", path.c_str(), runs, runs == 1 ? "run" : "runs");
@@ -126,7 +128,7 @@ int RunFile(const fs::path& path, const Told& told) {
 int RunNamed(const std::string& name, const Told& told) {
   for (const Study& study : Studies())
     if (study.name == name) {
-      Require(told.set.empty() && told.repeat == 1 && told.jobs == 1,
+      Require(told.set.empty() && !told.repeat && told.jobs == 1,
               "'" + name + "' is no scenario: it takes neither --set nor --repeat nor --jobs");
       RefuseToOverwrite(told.out, told.force);
       FindGnuplot();
@@ -148,9 +150,9 @@ void AddRunOptions(CLI::App& app, Told& told) {
   app.add_option("--set", told.set,
                  "path=value in the place of what the file says, such as station.ideal=true")
       ->allow_extra_args(false);
-  app.add_option("--repeat", told.repeat, "how often, each time with the next seed")
-      ->check(CLI::Range(1, 100000))
-      ->capture_default_str();
+  app.add_option("--repeat", told.repeat,
+                 "how often, each time with the next seed, in the place of what the file says")
+      ->check(CLI::Range(1, 100000));
   app.add_option("--jobs", told.jobs, "runs at a time")
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();

@@ -26,11 +26,11 @@ BoundClaim Of(std::vector<std::string> elements, Statistic statistic, double fro
   return {.claim = {.id = "id", .source = "source", .paper = "paper"},
           .basis = "basis",
           .run = "ramps",
-          .signal = "a.ramp",
-          .elements = std::move(elements),
-          .statistic = statistic,
-          .from_s = from,
-          .to_s = to};
+          .number = {.signal = "a.ramp",
+                     .elements = std::move(elements),
+                     .statistic = statistic,
+                     .from_s = from,
+                     .to_s = to}};
 }
 
 bool IsBetween(BoundClaim claim, double least, double most) {
@@ -100,7 +100,7 @@ TEST(BoundClaim, RefusesTimesWithoutARow) {
   BoundClaim claim = Of({}, Statistic::Peak, 0.3, 0.4);
   claim.most = 1;
   EXPECT_EQ(ErrorOf([&] { claim.Check(Runs({&run})); }),
-            "claim 'id': no row of a.ramp lies between from_s and to_s, got 0.3 and 0.4");
+            "no row of a.ramp lies between from_s and to_s, got 0.3 and 0.4");
 }
 
 TEST(BoundClaim, RefusesBoundsThatCannotBeMet) {
@@ -117,16 +117,16 @@ TEST(BoundClaim, RefusesBoundsThatCannotBeMet) {
   claim.least = 2;
   EXPECT_EQ(error(claim), "least must be <= most, got 2 and 1");
   claim.least = 0;
-  claim.from_s = 2;
+  claim.number.from_s = 2;
   EXPECT_EQ(error(claim), "from_s must be <= duration_s, 1, got 2");
-  claim.to_s = 1;
+  claim.number.to_s = 1;
   EXPECT_EQ(error(claim), "from_s must be <= to_s, got 2 and 1");
-  claim.from_s = 0.0201;
-  claim.to_s = 0.0205;
+  claim.number.from_s = 0.0201;
+  claim.number.to_s = 0.0205;
   EXPECT_EQ(
       error(claim),
       "no row of the log, one each 1 ms, lies between from_s and to_s, got 0.0201 and 0.0205");
-  claim.from_s = 0.02;
+  claim.number.from_s = 0.02;
   EXPECT_EQ(error(claim), "no error");
 }
 
