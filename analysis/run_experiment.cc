@@ -239,8 +239,8 @@ std::vector<Setting> SettingsOfRun(const RunData& run) {
                      ", d_s = " + Text(100 * c.damper.safety_distance) + " % of the range"},
       {"estimator", EstimatorOf(c)},
       {"compliance", c.modes ? "as the modes say"
-                             : "Γ = " + internal::YamlText(c.pose.compliance) + " of the pose, " +
-                                   internal::YamlText(c.posture.compliance) + " of the posture"},
+                             : "Γ = " + internal::LineOf(c.pose.compliance) + " of the pose, " +
+                                   internal::LineOf(c.posture.compliance) + " of the posture"},
       {"integrator", std::string(Name(s.integrator.method)) + ", tolerances " +
                          Text(s.integrator.relative_tolerance) + " relative, " +
                          Text(s.integrator.absolute_tolerance) + " absolute"},
