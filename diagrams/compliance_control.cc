@@ -122,7 +122,7 @@ ComplianceControl::ComplianceControl(const Options& o)
                                        .target = start.frame[0].pose,
                                        .stiffness = TaskVector::Constant(6, o.pose.stiffness),
                                        .damping = TaskVector::Constant(6, o.pose.damping),
-                                       .weight = o.pose.weight,
+                                       .weight = o.pose.weight > 0 ? o.pose.weight : 1,
                                        .compliance = o.pose.compliance,
                                        .mobility = o.pose.mobility,
                                        .compliance_axes = o.pose.compliance_axes});
@@ -206,7 +206,7 @@ ComplianceControl::ComplianceControl(const Options& o)
     Connect(external.acceleration, pose.external_acceleration);
     Connect(external.acceleration, posture.external_acceleration);
   }
-  Connect(pose.objective, qp.objectives);
+  if (o.pose.weight > 0) Connect(pose.objective, qp.objectives);
   Connect(posture.objective, qp.objectives);
   Connect(damper.bounds, qp.bounds);
   for (const Output<AccelerationRows>* limit : rows) Connect(*limit, qp.rows);

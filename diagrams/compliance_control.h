@@ -31,7 +31,7 @@ struct PoseError : Signal<PoseError, Frame, 6> {
 struct PoseGains {
   double stiffness = 400;                                         ///< λ₂ [1/s²]
   double damping = 40;                                            ///< λ₁ [1/s]
-  double weight = 1e4;                                            ///< w
+  double weight = 1e4;                                            ///< w; 0: the pose is left alone
   TaskMatrix compliance = {};                                     ///< Γ, as FrameTask has it
   TaskMatrix mobility = {};                                       ///< Y [1/kg, 1/(kg·m²)]
   Eigen::Matrix3d compliance_axes = Eigen::Matrix3d::Identity();  ///< of Γ and Y, as columns
@@ -40,7 +40,7 @@ struct PoseGains {
   void Parameters(F&& f) {
     f("stiffness", stiffness, "1/s²", kNotNegative);
     f("damping", damping, "1/s", kNotNegative);
-    f("weight", weight, "", kPositive);
+    f("weight", weight, "", kNotNegative);
     f("compliance", compliance);
     f("mobility", mobility);
     f("compliance_axes", compliance_axes);

@@ -145,7 +145,15 @@ SimulatedArm::Options StationOf(const Scenario& scenario) {
   StationOptions options = std::get<StationOptions>(scenario.station);
   if (options.position.size() == 0) options.position = arm.home;
   options.seed = scenario.seed;
-  return arm.station(ModelOf(scenario), options);
+  RobotModel model = ModelOf(scenario);
+  if (scenario.payload) {
+    const Payload& ball = *scenario.payload;
+    const double inertia = 0.4 * ball.mass * ball.radius * ball.radius;
+    model = model.WithPayload(ball.link, {.mass = ball.mass,
+                                          .center = ball.center,
+                                          .inertia = inertia * Eigen::Matrix3d::Identity()});
+  }
+  return arm.station(model, options);
 }
 
 ComplianceControl::Options ControllerOf(const Scenario& scenario,
@@ -156,7 +164,7 @@ ComplianceControl::Options ControllerOf(const Scenario& scenario,
               "' carries its own weight, and !Compliance commands gravity: expected a robot that "
               "does not, such as gen3");
   const bool ideal = std::get<StationOptions>(scenario.station).ideal;
-  control.model = Perturbed(arm.model, scenario.model_error);
+  control.model = Perturbed(ModelOf(scenario), scenario.model_error);
   control.position = arm.position;
   control.rotor_inertia = arm.actuators.reflected_inertia();
   control.period = PeriodOf(arm);

@@ -39,6 +39,22 @@ struct HandHold {
   }
 };
 
+/// A ball fixed to a link, of which the controller knows nothing.
+struct Payload {
+  std::string link;
+  double mass = kToBeGiven;                          ///< [kg]
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< in the link's frame [m]
+  double radius = 0.03;                              ///< [m]
+
+  template <class F>
+  void Parameters(F&& f) {
+    f("link", link);
+    f("mass", mass, "kg", kPositive);
+    f("center", center, "m");
+    f("radius", radius, "m", kPositive);
+  }
+};
+
 using EnvironmentPart =
     std::variant<Push::Options, HandHold, MassOnRope::Options, Surface::Options>;
 
@@ -47,6 +63,7 @@ using EnvironmentPart =
 struct Scenario {
   std::string robot;  ///< gen3, gen3_bota or lwr
   std::variant<StationOptions> station = {};
+  std::optional<Payload> payload = {};
   ModelError model_error = {};  ///< of the controller's model
   std::variant<ComplianceControl::Options> controller = {};
   std::vector<ModeChange> schedule = {};  ///< of the arm's mode; none: the controller's all along
@@ -60,6 +77,7 @@ struct Scenario {
   void Parameters(F&& f) {
     f("robot", robot);
     f("station", station);
+    f("payload", payload);
     f("model_error", model_error);
     f("controller", controller);
     f("schedule", schedule);

@@ -46,13 +46,21 @@ bool AreAdjacent(const RobotModel& model, int a, int b) {
   return a == b || parent(a) == b || parent(b) == a;
 }
 
+/// Of shape k of a link.
+std::string PartName(const Link& link, std::size_t k) {
+  const std::string& name = link.collisions[k].name;
+  if (link.collisions.size() == 1) return link.name;
+  if (name.empty()) return link.name + "_" + std::to_string(k + 1);
+  return name.starts_with(link.name) ? name : link.name + "_" + name;
+}
+
 std::vector<Part> PartsOf(const RobotModel& model) {
   std::vector<Part> parts;
   for (int i = 0; i < std::ssize(model.links()); ++i) {
     const Link& link = model.link(i);
-    for (const Shape& shape : link.collisions)
-      parts.push_back({link.collisions.size() == 1 ? link.name : link.name + "_" + shape.name, i,
-                       link.body, CollisionShape::Of(shape).In(link.pose)});
+    for (std::size_t k = 0; k < link.collisions.size(); ++k)
+      parts.push_back(
+          {PartName(link, k), i, link.body, CollisionShape::Of(link.collisions[k]).In(link.pose)});
   }
   return parts;
 }

@@ -31,8 +31,8 @@ struct PairDistances : Signal<PairDistances, PairNames, Eigen::Dynamic, kMaxColl
 /// What can collide: shapes on links and obstacles in the world, in pairs.
 ///
 /// The shapes of two links are a pair as CollisionPairs says; an obstacle is in a pair with each
-/// shape of each link that moves and that it does not except. A pair has the names of its links;
-/// a link with several shapes, that of the shape behind its own: FT_sensor_mounting_FT_sensor_plug.
+/// shape of each link that moves and that it does not except. A pair has the names of its links,
+/// such as base_link-bracelet_link; a link with several shapes, those of the shapes.
 class CollisionGeometry {
  public:
   struct Part {

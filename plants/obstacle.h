@@ -17,7 +17,7 @@ struct SphereObstacle {
   std::string name;
   Eigen::Vector3d center = Eigen::Vector3d::Constant(kToBeGiven);  ///< [m]
   double radius = kToBeGiven;                                      ///< [m]
-  std::vector<std::string> except;
+  std::vector<std::string> except = {};
 
   template <class F>
   void Parameters(F&& f) {
@@ -37,7 +37,7 @@ struct CapsuleObstacle {
   Eigen::Vector3d a = Eigen::Vector3d::Constant(kToBeGiven);  ///< [m]
   Eigen::Vector3d b = Eigen::Vector3d::Constant(kToBeGiven);  ///< [m]
   double radius = kToBeGiven;                                 ///< [m]
-  std::vector<std::string> except;
+  std::vector<std::string> except = {};
 
   template <class F>
   void Parameters(F&& f) {
@@ -57,7 +57,7 @@ struct BoxObstacle {
   Eigen::Vector3d center = Eigen::Vector3d::Constant(kToBeGiven);  ///< [m]
   Eigen::Vector3d size = Eigen::Vector3d::Constant(kToBeGiven);    ///< lengths of the edges [m]
   Eigen::Vector3d rpy = Eigen::Vector3d::Zero();  ///< roll, pitch, yaw of its axes, as in URDF
-  std::vector<std::string> except;
+  std::vector<std::string> except = {};
 
   template <class F>
   void Parameters(F&& f) {
@@ -75,9 +75,9 @@ struct HullObstacle {
   static constexpr const char* kTag = "Hull";
 
   std::string name;
-  std::vector<Eigen::Vector3d> points;  ///< 4 to 32 that do not lie in a plane [m]
-  double radius = 0;                    ///< [m]
-  std::vector<std::string> except;
+  std::vector<Eigen::Vector3d> points = {};  ///< 4 to 32 that do not lie in a plane [m]
+  double radius = 0;                         ///< [m]
+  std::vector<std::string> except = {};
 
   template <class F>
   void Parameters(F&& f) {

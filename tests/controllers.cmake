@@ -1,4 +1,5 @@
 pliant_test(controllers/compliance_qp_limits_test.cc LIBRARIES pliant::controllers)
+pliant_test(controllers/collision_damper_test.cc LIBRARIES pliant::controllers)
 pliant_test(controllers/compliance_qp_test.cc LIBRARIES pliant::controllers)
 pliant_test(controllers/compliance_test.cc LIBRARIES pliant::controllers)
 pliant_test(controllers/frame_task_test.cc LIBRARIES pliant::controllers)

@@ -36,6 +36,8 @@ pliant_test(plants/joint_stops_test.cc LIBRARIES pliant::plants)
 pliant_test(plants/arm_firmware_test.cc LIBRARIES pliant::plants)
 
 pliant_test(plants/collision_distance_test.cc LIBRARIES pliant::plants)
+pliant_test(plants/collision_pairs_test.cc LIBRARIES pliant::plants)
+pliant_test(plants/collision_shape_test.cc LIBRARIES pliant::plants)
 # Exact arithmetic, an oracle for tests only; its headers ask for options of their own.
 find_package(CGAL REQUIRED)
 pliant_test(plants/collision_exact_test.cc LIBRARIES pliant::plants CGAL::CGAL)
