@@ -48,11 +48,12 @@ Json SchemaOf(std::string_view unit, const Range& range) {
     if (std::ranges::count(Words(T{}), "true") > 0) words.push_back(true);
     return {{"enum", words}};
   } else if constexpr (Dense<T>) {
-    Json list{{"type", "array"}};
-    if constexpr (T::ColsAtCompileTime == 1)
-      list["items"] = SchemaOfNumber("number", unit, range);
-    else
-      list["items"] = {{"type", "array"}, {"items", SchemaOfNumber("number", unit, range)}};
+    const Json number = SchemaOfNumber("number", unit, range);
+    const Json row{{"type", "array"}, {"items", number}};
+    if constexpr (IsOfAnySize<T>)
+      return {{"anyOf", Json::array({number, row, Json{{"type", "array"}, {"items", row}},
+                                     Json{{"type", "null"}}})}};
+    Json list{{"type", "array"}, {"items", T::ColsAtCompileTime == 1 ? number : row}};
     if constexpr (T::RowsAtCompileTime != Eigen::Dynamic)
       list["minItems"] = list["maxItems"] = int{T::RowsAtCompileTime};
     return list;

@@ -398,6 +398,8 @@ void ParameterFile::Fail(const std::string& what) const {
 
 bool ParameterFile::IsNull() const { return node_->kind == Node::Kind::Nothing; }
 
+bool ParameterFile::IsList() const { return node_->kind == Node::Kind::List; }
+
 std::string ParameterFile::yaml() const { return node_->yaml(); }
 
 std::string ParameterFile::tag() const { return node_->tag; }

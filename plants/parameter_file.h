@@ -64,7 +64,8 @@ class ParameterFile {
   /// units of another quantity, and parameters that are to be given and are not.
   ///
   /// A number may have its unit behind it, or a multiple of it: `0.5 s`, `500 ms`, `90 deg`. The
-  /// alternative of a variant stands as a tag: `!Push {link: tool, …}`.
+  /// alternative of a variant stands as a tag: `!Push {link: tool, …}`. A matrix is a list of rows;
+  /// for one of any size a number stands for one row and column, a list of numbers for a column.
   template <HasParameters T>
   void Fill(T& t) const;
 
@@ -82,6 +83,7 @@ class ParameterFile {
 
   [[noreturn]] void FailTag(const std::vector<std::string>& known) const;
   bool IsNull() const;
+  bool IsList() const;
   bool flag() const;
   double NumberIn(std::string_view name, std::string_view unit, const Range& range) const;
   Duration duration() const;
@@ -109,6 +111,12 @@ template <class T>
 constexpr bool IsVariant = false;
 template <class... T>
 constexpr bool IsVariant<std::variant<T...>> = true;
+
+template <class T>
+constexpr bool IsOfAnySize = false;
+template <Dense T>
+constexpr bool IsOfAnySize<T> =
+    T::RowsAtCompileTime == Eigen::Dynamic&& T::ColsAtCompileTime == Eigen::Dynamic;
 
 /// Whether a parameter, or one inside it, holds what says that it is to be given.
 template <class T>
@@ -200,19 +208,33 @@ void ParameterFile::Read(T& value, std::string_view name, std::string_view unit,
 template <class Matrix>
 void ParameterFile::ReadDense(Matrix& value, std::string_view name, std::string_view unit,
                               const Range& range) const {
-  constexpr bool kVector = Matrix::ColsAtCompileTime == 1;
+  const auto number = [&](const ParameterFile& place) { return place.NumberIn(name, unit, range); };
+  constexpr bool kAnySize = internal::IsOfAnySize<Matrix>;
+  if constexpr (kAnySize) {
+    if (!IsNull() && !IsList()) {
+      value = Matrix::Constant(1, 1, number(*this));
+      return;
+    }
+  }
   const std::vector<ParameterFile> rows =
       ElementsOf(Matrix::RowsAtCompileTime, Matrix::MaxRowsAtCompileTime);
+  const bool column =
+      Matrix::ColsAtCompileTime == 1 || (kAnySize && !rows.empty() && !rows[0].IsList());
+  std::ptrdiff_t columns = column ? 1 : Matrix::ColsAtCompileTime;
+  if (kAnySize && !column)
+    columns = rows.empty()
+                  ? 0
+                  : std::ssize(rows[0].ElementsOf(Eigen::Dynamic, Matrix::MaxColsAtCompileTime));
   if constexpr (Matrix::RowsAtCompileTime == Eigen::Dynamic)
-    value.resize(static_cast<Eigen::Index>(rows.size()), kVector ? 1 : value.cols());
+    value.resize(static_cast<Eigen::Index>(rows.size()), columns);
   for (std::size_t r = 0; r < rows.size(); ++r) {
-    if constexpr (kVector) {
-      value(static_cast<Eigen::Index>(r)) = rows[r].NumberIn(name, unit, range);
+    const auto i = static_cast<Eigen::Index>(r);
+    if (column) {
+      value(i, 0) = number(rows[r]);
     } else {
-      const std::vector<ParameterFile> row = rows[r].ElementsOf(Matrix::ColsAtCompileTime, 0);
+      const std::vector<ParameterFile> row = rows[r].ElementsOf(columns, 0);
       for (std::size_t c = 0; c < row.size(); ++c)
-        value(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(c)) =
-            row[c].NumberIn(name, unit, range);
+        value(i, static_cast<Eigen::Index>(c)) = number(row[c]);
     }
   }
 }

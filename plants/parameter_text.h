@@ -27,12 +27,14 @@ std::string LineOf(const T& value) {
   if constexpr (HasWords<T>) {
     return Words(value)[static_cast<std::size_t>(value)];
   } else if constexpr (Dense<T>) {
+    if (IsOfAnySize<T> && value.size() == 1) return YamlText(value(0, 0));
+    const bool column = T::ColsAtCompileTime == 1 || (IsOfAnySize<T> && value.cols() == 1);
     std::string rows;
     for (Eigen::Index r = 0; r < value.rows(); ++r) {
       std::string row;
       for (Eigen::Index c = 0; c < value.cols(); ++c)
         row += (c == 0 ? "" : ", ") + YamlText(value(r, c));
-      rows += (r == 0 ? "" : ", ") + (T::ColsAtCompileTime == 1 ? row : "[" + row + "]");
+      rows += (r == 0 ? "" : ", ") + (column ? row : "[" + row + "]");
     }
     return "[" + rows + "]";
   } else if constexpr (IsOptional<T>) {

@@ -23,7 +23,17 @@ namespace pliant {
 ///   q, q̇ ─▶ dynamics ─▶ pose, posture, damper ─▶ qp
 ///   τ̂_e ─▶ external ─▶ pose, posture;  τ̂_e ─▶ qp
 struct ComplianceRig {
-  ComplianceRig(const RobotModel& m, const std::string& tool, bool damped = true) : model{m} {
+  ComplianceRig(const RobotModel& m, const std::string& tool, bool damped = true)
+      : ComplianceRig({.model = m,
+                       .frame = tool,
+                       .target = {{0.4, 0.1, 0.5}},
+                       .stiffness = TaskVector::Constant(6, 400),
+                       .damping = TaskVector::Constant(6, 40),
+                       .weight = 1e4},
+                      damped) {}
+
+  explicit ComplianceRig(const FrameTask::Options& task, bool damped = true) : model{task.model} {
+    const RobotModel& m = model;
     const Joints& joints = m.joints();
     DiagramBuilder b;
     q = &b.Add<Constant<JointPosition>>("q",
@@ -34,12 +44,7 @@ struct ComplianceRig {
                                           {.space = joints, .value = JointTorque::Zero(joints)});
     dynamics = &b.Add<ModelDynamics>("dynamics", {.model = m});
     external = &b.Add<ExternalAcceleration>("external", {.joints = joints});
-    pose = &b.Add<FrameTask>("pose", {.model = m,
-                                      .frame = tool,
-                                      .target = {{0.4, 0.1, 0.5}},
-                                      .stiffness = TaskVector::Constant(6, 400),
-                                      .damping = TaskVector::Constant(6, 40),
-                                      .weight = 1e4});
+    pose = &b.Add<FrameTask>("pose", task);
     posture = &b.Add<PostureTask>("posture", {.model = m,
                                               .target = JointPosition::Zero(joints),
                                               .stiffness = PerJoint::Constant(m.size(), 1),
@@ -71,7 +76,8 @@ struct ComplianceRig {
   /// Γ of the pose and of the posture task.
   void SetCompliance(double pose_gamma, double posture_gamma) {
     const int n = model.size();
-    sim->Set(pose->compliance, pose_gamma * TaskMatrix::Identity(6, 6));
+    const Eigen::Index rows = sim->Get(pose->error).size();
+    sim->Set(pose->compliance, pose_gamma * TaskMatrix::Identity(rows, rows));
     sim->Set(posture->compliance, posture_gamma * JointMatrix::Identity(n, n));
   }
   /// One tick at this τ̂_e.
