@@ -5,9 +5,12 @@
 #include <cmath>
 #include <random>
 
+#include "pliant/controllers/frame_task.h"
 #include "pliant/controllers/joint_reference.h"
+#include "pliant/controllers/pose_reference.h"
 #include "pliant/plants/parameter_file.h"
 #include "pliant/systems/block_tester.h"
+#include "pliant/tests/plants/arms.h"
 #include "pliant/tests/support/block_laws.h"
 #include "pliant/tests/support/error_of.h"
 
@@ -77,6 +80,38 @@ TEST(PathPhase, SlowsHalfWayToHalf) {
   t.Set(t->error, Eigen::Vector3d(0.3, 0, 0));  // between e₀ and e₁
   t.AdvanceTo(5);
   EXPECT_NEAR(t.Get(t->phase).rate, 0.5, 1e-14);
+}
+
+// The frame does not move: a reference at 0.1 m/s leaves it, and what is left of its rate at e₁
+// takes it no further than 0.1 m/s · T.
+TEST(PathPhase, KeepsAReferenceNearAFrameThatDoesNotFollow) {
+  const RobotModel m = Gen3();
+  const JointPosition q{0.2, 0.5, 0.1, -1.5, 0.3, -0.5, 0.2};
+  RobotDynamics d(m, {"tool_frame"});
+  ComputeDynamics(m, q, JointVelocity::Zero(m.joints()), d);
+  Pose goal = d.frame[0].pose;
+  goal.position.x() += 10;
+  DiagramBuilder b;
+  auto& state = b.Add<Constant<RobotDynamics>>("state", {.space = m.joints(), .value = d});
+  auto& reference = b.Add<PoseWaypoints>(
+      "reference", {.waypoints = {{0, d.frame[0].pose}, {187.5, goal}}});  // 15/8 · 10 m at most
+  auto& task = b.Add<FrameTask>("task", {.model = m,
+                                         .frame = "tool_frame",
+                                         .part = FrameTask::Part::Position,
+                                         .stiffness = TaskVector::Ones(3),
+                                         .damping = TaskVector::Ones(3)});
+  auto& phase = b.Add<PathPhase>("phase", Options());
+  b.Connect(state.y, task.dynamics);
+  b.Connect(reference.pose, task.target);
+  b.Connect(task.error, phase.error);
+  b.Connect(phase.phase, reference.phase);
+  const Diagram diagram = b.Build();
+  Simulator sim(diagram);
+  sim.AdvanceTo(100);
+  EXPECT_GT(sim.Get(task.error).norm(), 0.1);
+  EXPECT_LT(sim.Get(task.error).norm(), 0.5 + 0.1 * 0.05);
+  EXPECT_LT(sim.Get(phase.phase).rate, 0.1);
+  EXPECT_LT(sim.Get(reference.twist).norm(), 0.1 * 0.1);
 }
 
 TEST(PathPhase, HoldsTheLaws) {
