@@ -4,6 +4,7 @@
 #include <benchmark/benchmark.h>
 
 #include <numbers>
+#include <string>
 #include <vector>
 
 #include "pliant/controllers/compliance_qp.h"
@@ -21,14 +22,51 @@
 namespace pliant {
 namespace {
 
-/// sensors → dynamics → observer → pose and posture task, damper → QP, on an arm that sways.
-void ControllerTick(benchmark::State& state) {
+/// Tasks of several kinds, the plain pose first.
+std::vector<FrameTask::Options> Tasks(const RobotModel& m, int count) {
+  const auto gains = [&](FrameTask::Options o, int rows) {
+    o.model = m;
+    o.stiffness = TaskVector::Constant(rows, 400);
+    o.damping = TaskVector::Constant(rows, 40);
+    return o;
+  };
+  using Part = FrameTask::Part;
+  using Axes = FrameTask::Axes;
+  std::vector<FrameTask::Options> tasks{
+      gains({.model = m, .frame = "tool_frame", .weight = 1e4}, 6),
+      gains({.model = m, .frame = "forearm_link", .part = Part::Position}, 3),
+      gains({.model = m, .frame = "bracelet_link", .part = Part::Orientation}, 3),
+      gains({.model = m,
+             .frame = "tool_frame",
+             .part = Part::Orientation,
+             .axes = Axes::Frame,
+             .basis = TaskMatrix::Identity(2, 3)},
+            2),
+      gains({.model = m,
+             .frame = "tool_frame",
+             .relative_to = "forearm_link",
+             .part = Part::Position,
+             .axes = Axes::Frame},
+            3),
+      gains({.model = m,
+             .frame = "tool_frame",
+             .part = Part::Position,
+             .basis = TaskMatrix::Identity(1, 3),
+             .mobility = TaskMatrix::Constant(1, 1, 0.5)},
+            1)};
+  tasks.resize(static_cast<std::size_t>(count), tasks[0]);
+  return tasks;
+}
+
+/// sensors → dynamics → observer → tasks and posture task, damper → QP, on an arm that sways.
+void TickWith(benchmark::State& state, int tasks) {
   const RobotModel m = RobotModel::FromUrdf(PLIANT_SOURCE_DIR "/models/gen3/gen3_7dof.urdf");
   const Joints& joints = m.joints();
   const JointPosition posture{0, 0.2618, std::numbers::pi,    -2.2689,
                               0, 0.9599, std::numbers::pi / 2};
   const int n = m.size();
-  RobotDynamics start(m, {"tool_frame"});
+  int added = 0;
+  RobotDynamics start(m);
   ComputeDynamics(m, posture, JointVelocity::Zero(joints), start);
 
   DiagramBuilder b;
@@ -41,12 +79,6 @@ void ControllerTick(benchmark::State& state) {
   auto& observer = b.Add<MomentumObserver>(
       "observer", {.joints = joints, .gain = PerJoint::Constant(n, 50), .period = 1ms});
   auto& external = b.Add<ExternalAcceleration>("external", {.joints = joints});
-  auto& pose = b.Add<FrameTask>("pose", {.model = m,
-                                         .frame = "tool_frame",
-                                         .target = start.frame[0].pose,
-                                         .stiffness = TaskVector::Constant(6, 400),
-                                         .damping = TaskVector::Constant(6, 40),
-                                         .weight = 1e4});
   auto& task = b.Add<PostureTask>("posture", {.model = m,
                                               .target = posture,
                                               .stiffness = PerJoint::Zero(n),
@@ -63,14 +95,25 @@ void ControllerTick(benchmark::State& state) {
   b.Connect(sensors.measured_torque, observer.torque);
   b.Connect(dynamics.dynamics, external.dynamics);
   b.Connect(observer.residual, external.external_torque);
-  b.Connect(dynamics.dynamics, pose.dynamics);
-  b.Connect(external.acceleration, pose.external_acceleration);
   b.Connect(dynamics.dynamics, task.dynamics);
   b.Connect(external.acceleration, task.external_acceleration);
   b.Connect(dynamics.dynamics, damper.dynamics);
   b.Connect(dynamics.dynamics, qp.dynamics);
   b.Connect(observer.residual, qp.external_torque);
-  b.Connect(pose.objective, qp.objectives);
+  for (FrameTask::Options options : Tasks(m, tasks)) {
+    RobotDynamics at(m, {options.frame});
+    ComputeDynamics(m, posture, JointVelocity::Zero(joints), at);
+    options.target = at.frame[0].pose;
+    if (options.relative_to)
+      options.target =
+          LinkPose(m, at, m.link_index(*options.relative_to)).inverse() * options.target;
+    const std::string name = added == 0 ? "pose" : "task_" + std::to_string(added);
+    ++added;
+    auto& frame = b.Add<FrameTask>(name, options);
+    b.Connect(dynamics.dynamics, frame.dynamics);
+    b.Connect(external.acceleration, frame.external_acceleration);
+    b.Connect(frame.objective, qp.objectives);
+  }
   b.Connect(task.objective, qp.objectives);
   b.Connect(damper.bounds, qp.bounds);
   const Diagram diagram = b.Build();
@@ -87,7 +130,14 @@ void ControllerTick(benchmark::State& state) {
   if (sim.Get(qp.report).outcome != ComplianceQpReport::Outcome::Solved)
     state.SkipWithError("the QP found no solution inside all limits");
 }
+
+void ControllerTick(benchmark::State& state) { TickWith(state, 1); }
 BENCHMARK(ControllerTick)->Name("ControllerTick/Gen3");
+
+void ControllerTickOfTasks(benchmark::State& state) {
+  TickWith(state, static_cast<int>(state.range(0)));
+}
+BENCHMARK(ControllerTickOfTasks)->Name("ControllerTick/Gen3")->ArgName("tasks")->DenseRange(2, 6);
 
 }  // namespace
 }  // namespace pliant

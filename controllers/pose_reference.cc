@@ -5,23 +5,15 @@
 #include <cmath>
 #include <numbers>
 
+#include "pliant/controllers/course.h"
+
 namespace pliant {
 
 namespace {
 
 using Eigen::Vector3d;
-
-/// A number and its first two rates.
-struct Course {
-  double s, rate, acceleration;
-};
-
-/// 10 x³ − 15 x⁴ + 6 x⁵ of x = t/T, held at both ends.
-Course LeastJerk(double t, double T) {
-  const double x = std::clamp(t / T, 0.0, 1.0);
-  return {x * x * x * (10 + x * (-15 + 6 * x)), 30 * x * x * (1 - x) * (1 - x) / T,
-          60 * x * (1 - x) * (1 - 2 * x) / (T * T)};
-}
+using internal::Course;
+using internal::LeastJerk;
 
 Vector3d Log(const Eigen::Matrix3d& R) {
   const Eigen::AngleAxisd turn(R);
@@ -46,6 +38,23 @@ void RequirePose(const Pose& X) {
           "a rotation must have R Rᵀ = I, det R = 1, got\n" + Text(X.rotation));
 }
 
+/// Throws unless they are in order of time, and neighbours no further apart than `most`.
+void RequireTimedPoses(const std::string& name, const std::vector<TimedPose>& poses, double most,
+                       const std::string& apart) {
+  Require(!poses.empty(), name + " must have at least one");
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    RequirePose(poses[i].pose);
+    RequireInRange("", "time_s", poses[i].time_s, "s", kAnyNumber);
+    if (i == 0) continue;
+    const TimedPose &a = poses[i - 1], &b = poses[i];
+    Require(a.time_s < b.time_s, name + " are in order of time: behind " + Text(a.time_s) + " s",
+            Text(b.time_s) + " s");
+    const double angle = Log(b.pose.rotation * a.pose.rotation.transpose()).norm();
+    Require(angle <= most, "neighbouring " + name + " are " + apart + " apart",
+            Text(angle) + " rad");
+  }
+}
+
 Vector3d RadiusOf(const PoseCircle::Options& o) { return o.start.position - o.center; }
 
 }  // namespace
@@ -56,20 +65,22 @@ PoseReference::PoseReference() {
   Compute(acceleration).From(motion_).As([](const PoseMotion& m) { return m.acceleration; });
 }
 
+template <class Path>
+PoseMotion PoseReference::InTime(double t, const PathTime& phi, const Path& path) {
+  if (phi.by_clock) return path(t);
+  PoseMotion motion = path(phi.phase);
+  motion.acceleration = phi.rate * phi.rate * motion.acceleration + phi.acceleration * motion.twist;
+  motion.twist *= phi.rate;
+  return motion;
+}
+
 PoseWaypoints::PoseWaypoints(const Options& o) : waypoints_{o.waypoints} {
-  Require(!waypoints_.empty(), "waypoints must have at least one");
-  for (std::size_t i = 0; i < waypoints_.size(); ++i) {
-    RequirePose(waypoints_[i].pose);
-    RequireInRange("", "time_s", waypoints_[i].time_s, "s", kAnyNumber);
-    if (i == 0) continue;
-    const Waypoint &a = waypoints_[i - 1], &b = waypoints_[i];
-    Require(a.time_s < b.time_s, "waypoints are in order of time: behind " + Text(a.time_s) + " s",
-            Text(b.time_s) + " s");
-    const double angle = Log(b.pose.rotation * a.pose.rotation.transpose()).norm();
-    Require(angle < std::numbers::pi - 1e-6,
-            "neighbouring waypoints are less than half a turn apart", Text(angle) + " rad");
-  }
-  Compute(motion_).From(clock).As(&PoseWaypoints::At);
+  RequireTimedPoses("waypoints", waypoints_, std::numbers::pi - 1e-6, "less than half a turn");
+  Compute(motion_).From(clock, phase).As(&PoseWaypoints::Move);
+}
+
+PoseMotion PoseWaypoints::Move(double t, const PathTime& phi) const {
+  return InTime(t, phi, [this](double s) { return At(s); });
 }
 
 PoseMotion PoseWaypoints::At(double t) const {
@@ -81,20 +92,96 @@ PoseMotion PoseWaypoints::At(double t) const {
                Log(b.pose.rotation * a.pose.rotation.transpose()), LeastJerk(t - a.time_s, T));
 }
 
+PoseTable::PoseTable(const Options& o) {
+  const std::vector<TimedPose>& rows = o.rows;
+  RequireTimedPoses("rows", rows, std::numbers::pi / 2 + 1e-6, "at most a quarter turn");
+  std::vector<Vector7> x;
+  for (const TimedPose& row : rows) {
+    times_.push_back(row.time_s);
+    Vector7 now;
+    now << row.pose.position, Eigen::Quaterniond(row.pose.rotation).coeffs();
+    // Of the two quaternions of a rotation the one on this side.
+    if (!x.empty() && now.tail<4>().dot(x.back().tail<4>()) < 0) now.tail<4>() *= -1;
+    x.push_back(now);
+  }
+  const std::size_t n = x.size();
+  std::vector<Vector7> rate(n, Vector7::Zero()), second(n, Vector7::Zero());
+  for (std::size_t i = 1; i + 1 < n; ++i) {
+    const double h = times_[i] - times_[i - 1], next = times_[i + 1] - times_[i];
+    const Vector7 d = (x[i] - x[i - 1]) / h, d_next = (x[i + 1] - x[i]) / next;
+    rate[i] = (h * d_next + next * d) / (h + next);
+    second[i] = 2 * (d_next - d) / (h + next);
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    Quintic c = Quintic::Zero();
+    c.col(0) = x[i];
+    if (i + 1 < n) {
+      const double T = times_[i + 1] - times_[i];
+      const Vector7 v0 = rate[i] * T, v1 = rate[i + 1] * T;
+      const Vector7 a0 = second[i] * T * T, a1 = second[i + 1] * T * T;
+      const Vector7 p = x[i + 1] - x[i] - v0 - 0.5 * a0, v = v1 - v0 - a0, a = a1 - a0;
+      c.col(1) = v0 / T;
+      c.col(2) = 0.5 * a0 / std::pow(T, 2);
+      c.col(3) = (10 * p - 4 * v + 0.5 * a) / std::pow(T, 3);
+      c.col(4) = (-15 * p + 7 * v - a) / std::pow(T, 4);
+      c.col(5) = (6 * p - 3 * v + 0.5 * a) / std::pow(T, 5);
+      for (int k = 1; k < 64; ++k) {
+        Vector7 between = c.col(5);
+        for (int j = 4; j >= 0; --j) between = c.col(j) + between * (T * k / 64);
+        // A way that leaves the unit quaternions that far turns elsewhere on it.
+        const double length = between.tail<4>().norm();
+        Require(length > 0.5 && length < 2, "rows are too uneven in time to turn between " +
+                                                Text(times_[i]) + " s and " + Text(times_[i + 1]) +
+                                                " s: add rows between");
+      }
+    }
+    pieces_.push_back(c);
+  }
+  Compute(motion_).From(clock, phase).As(&PoseTable::Move);
+}
+
+PoseMotion PoseTable::Move(double t, const PathTime& phi) const {
+  return InTime(t, phi, [this](double s) { return At(s); });
+}
+
+PoseMotion PoseTable::At(double t) const {
+  const auto after = std::ranges::upper_bound(times_, t);
+  const std::size_t i =
+      after == times_.begin() ? 0 : static_cast<std::size_t>(after - times_.begin()) - 1;
+  const Quintic& c = pieces_[i];
+  const double s = std::max(0.0, t - times_[i]);
+  Vector7 x = c.col(5), rate = 5 * c.col(5), second = 20 * c.col(5);
+  for (int j = 4; j >= 0; --j) x = c.col(j) + s * x;
+  for (int j = 4; j >= 1; --j) rate = j * c.col(j) + s * rate;
+  for (int j = 4; j >= 2; --j) second = j * (j - 1) * c.col(j) + s * second;
+
+  // With u = q/‖q‖: ω = 2 u̇ ū, of which ‖q‖ changes the real part alone.
+  const Eigen::Quaterniond q(x.tail<4>()), dq(rate.tail<4>()), ddq(second.tail<4>());
+  const double length = q.squaredNorm();
+  const Vector3d w = 2 / length * (dq * q.conjugate()).vec();
+  const Vector3d alpha =
+      2 / length * (ddq * q.conjugate()).vec() - 2 * rate.tail<4>().dot(x.tail<4>()) / length * w;
+  PoseMotion motion;
+  motion.pose = {x.head<3>(), q.normalized().toRotationMatrix()};
+  motion.twist << w, rate.head<3>();
+  motion.acceleration << alpha, second.head<3>();
+  return motion;
+}
+
 PoseSwing::PoseSwing(const Options& o) : o_{o} {
   RequirePose(o.start);
   Require(o.way.allFinite() && o.turn.allFinite(), "way and turn must be finite");
   RequireInRange("", "frequency_hz", o.frequency_hz, "Hz", kPositive);
   RequireInRange("", "start_s", o.start_s, "s", kAnyNumber);
-  Compute(motion_).From(clock).As(&PoseSwing::At);
+  Compute(motion_).From(clock, phase).As(&PoseSwing::Move);
+}
+
+PoseMotion PoseSwing::Move(double t, const PathTime& phi) const {
+  return InTime(t, phi, [this](double s) { return At(s); });
 }
 
 PoseMotion PoseSwing::At(double t) const {
-  const double w = 2 * std::numbers::pi * o_.frequency_hz, T = t - o_.start_s;
-  const Course course = T < 0 ? Course{0, 0, 0}
-                              : Course{0.5 * (1 - std::cos(w * T)), 0.5 * w * std::sin(w * T),
-                                       0.5 * w * w * std::cos(w * T)};
-  return Along(o_.start, o_.way, o_.turn, course);
+  return Along(o_.start, o_.way, o_.turn, internal::Swing(t - o_.start_s, o_.frequency_hz));
 }
 
 PoseCircle::PoseCircle(const Options& o)
@@ -109,7 +196,11 @@ PoseCircle::PoseCircle(const Options& o)
   RequireInRange("", "speed", o.speed, "rad/s", kAnyNumber);
   RequireInRange("", "rise_s", o.rise_s, "s", kPositive);
   RequireInRange("", "start_s", o.start_s, "s", kAnyNumber);
-  Compute(motion_).From(clock).As(&PoseCircle::At);
+  Compute(motion_).From(clock, phase).As(&PoseCircle::Move);
+}
+
+PoseMotion PoseCircle::Move(double t, const PathTime& phi) const {
+  return InTime(t, phi, [this](double s) { return At(s); });
 }
 
 PoseMotion PoseCircle::At(double t) const {

@@ -40,6 +40,8 @@ pliant_test(analysis/experiment_test.cc LIBRARIES pliant::analysis)
 pliant_test(analysis/run_experiment_test.cc LIBRARIES pliant::analysis)
 pliant_test(analysis/work_precision_test.cc LIBRARIES pliant::analysis)
 pliant_test(analysis/integrator_study_test.cc LIBRARIES pliant::analysis)
+pliant_test(analysis/parameter_schema_test.cc
+            LIBRARIES pliant::plants nlohmann_json::nlohmann_json)
 pliant_test(analysis/ros_schema_test.cc LIBRARIES pliant::analysis)
 pliant_test(analysis/row_ring_test.cc LIBRARIES pliant::analysis)
 pliant_test(analysis/mcap_log_test.cc LIBRARIES pliant::analysis ZLIB::ZLIB ${ZSTD_LIBRARY})

@@ -24,9 +24,23 @@ namespace pliant {
 ///   τ̂_e ─▶ external ─▶ pose, posture;  τ̂_e ─▶ qp
 ///   rows ─▶ qp
 struct ComplianceRig {
+<<<<<<< HEAD
   ComplianceRig(const RobotModel& m, const std::string& tool, bool damped = true,
                 const std::vector<AccelerationRows>& all_rows = {})
       : model{m} {
+=======
+  ComplianceRig(const RobotModel& m, const std::string& tool, bool damped = true)
+      : ComplianceRig({.model = m,
+                       .frame = tool,
+                       .target = {{0.4, 0.1, 0.5}},
+                       .stiffness = TaskVector::Constant(6, 400),
+                       .damping = TaskVector::Constant(6, 40),
+                       .weight = 1e4},
+                      damped) {}
+
+  explicit ComplianceRig(const FrameTask::Options& task, bool damped = true) : model{task.model} {
+    const RobotModel& m = model;
+>>>>>>> cc88db7690c662a8c1824894b6510754dccbd10d
     const Joints& joints = m.joints();
     DiagramBuilder b;
     q = &b.Add<Constant<JointPosition>>("q",
@@ -37,12 +51,7 @@ struct ComplianceRig {
                                           {.space = joints, .value = JointTorque::Zero(joints)});
     dynamics = &b.Add<ModelDynamics>("dynamics", {.model = m});
     external = &b.Add<ExternalAcceleration>("external", {.joints = joints});
-    pose = &b.Add<FrameTask>("pose", {.model = m,
-                                      .frame = tool,
-                                      .target = {{0.4, 0.1, 0.5}},
-                                      .stiffness = TaskVector::Constant(6, 400),
-                                      .damping = TaskVector::Constant(6, 40),
-                                      .weight = 1e4});
+    pose = &b.Add<FrameTask>("pose", task);
     posture = &b.Add<PostureTask>("posture", {.model = m,
                                               .target = JointPosition::Zero(joints),
                                               .stiffness = PerJoint::Constant(m.size(), 1),
@@ -81,7 +90,8 @@ struct ComplianceRig {
   /// Γ of the pose and of the posture task.
   void SetCompliance(double pose_gamma, double posture_gamma) {
     const int n = model.size();
-    sim->Set(pose->compliance, pose_gamma * TaskMatrix::Identity(6, 6));
+    const Eigen::Index rows = sim->Get(pose->error).size();
+    sim->Set(pose->compliance, pose_gamma * TaskMatrix::Identity(rows, rows));
     sim->Set(posture->compliance, posture_gamma * JointMatrix::Identity(n, n));
   }
   /// One tick at this τ̂_e.

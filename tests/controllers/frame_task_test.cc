@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "pliant/systems/block_tester.h"
+#include "pliant/tests/controllers/task_kinds.h"
 #include "pliant/tests/plants/arms.h"
 #include "pliant/tests/support/error_of.h"
 
@@ -227,60 +228,6 @@ TEST(FrameTask, RefusesOptionsThatMakeNoTask) {
             "compliance must be 3 x 3, got 6 x 6");
 }
 
-/// [x; y] rows as a basis.
-TaskMatrix Rows(const Eigen::MatrixXd& rows) { return rows; }
-
-/// All ways to select, of a tool on the Gen3 and of one hand against the other on the tree.
-struct Kind {
-  std::string name;
-  FrameTask::Options options;
-};
-std::vector<Kind> Kinds() {
-  RandomStates random(Gen3(), 5);
-  const auto orthonormal = [&](int rows, int columns) {
-    const Eigen::MatrixXd any =
-        Eigen::MatrixXd::NullaryExpr(columns, columns, [&] { return random.Uniform(1)(0); });
-    const Eigen::MatrixXd Q = any.householderQr().householderQ();
-    return Rows(Q.topRows(rows));
-  };
-  std::vector<Kind> kinds;
-  for (const bool relative : {false, true})
-    for (const auto axes : {FrameTask::Axes::Reference, FrameTask::Axes::Frame}) {
-      const auto add = [&](const std::string& name, Part part, const TaskMatrix& basis) {
-        const int rows =
-            basis.size() > 0 ? static_cast<int>(basis.rows()) : (part == Part::Pose ? 6 : 3);
-        FrameTask::Options o{.model = relative ? Tree() : Gen3(),
-                             .frame = relative ? "left_hand" : "tool_frame",
-                             .part = part,
-                             .axes = axes,
-                             .basis = basis,
-                             .stiffness = TaskVector::LinSpaced(rows, 100, 400),
-                             .damping = TaskVector::LinSpaced(rows, 20, 40)};
-        if (relative) o.relative_to = "right_tool";
-        kinds.push_back({name + (relative ? ", relative" : "") +
-                             (axes == FrameTask::Axes::Frame ? ", own axes" : ""),
-                         o});
-      };
-      add("pose", Part::Pose, {});
-      add("orientation", Part::Orientation, {});
-      add("position", Part::Position, {});
-      add("axis", Part::Position, orthonormal(1, 3));
-      add("plane", Part::Position, orthonormal(2, 3));
-      add("turned axes", Part::Position, orthonormal(3, 3));
-      add("turn", Part::Orientation, orthonormal(1, 3));
-      add("pointing", Part::Orientation, orthonormal(2, 3));
-      add("mixed", Part::Pose, orthonormal(4, 6));
-      TaskMatrix drill = TaskMatrix::Identity(6, 6);  // the position, and where z points
-      drill.row(2) = TaskMatrix(drill.row(5));
-      drill.conservativeResize(5, 6);
-      drill.row(2) << 0, 0, 0, 0, 0, 1;
-      drill.row(3) << 0, 0, 0, 1, 0, 0;
-      drill.row(4) << 0, 0, 0, 0, 1, 0;
-      add("drill", Part::Pose, drill);
-    }
-  return kinds;
-}
-
 RobotDynamics Dynamics(const RobotModel& m, const JointPosition& q, const JointVelocity& v) {
   RobotDynamics d(m);
   ComputeDynamics(m, q, v, d);
@@ -321,7 +268,7 @@ struct Course {
 
 TEST(FrameTask, HasRowsThatAreTheRateOfItsErrorRateForAllKinds) {
   const double h = 1e-4;
-  for (const Kind& kind : Kinds()) {
+  for (const TaskKind& kind : Kinds()) {
     RandomStates random(kind.options.model, 27);
     BlockTester<FrameTask> t(kind.options);
     for (int k = 0; k < 20; ++k) {
@@ -343,7 +290,7 @@ TEST(FrameTask, HasRowsThatAreTheRateOfItsErrorRateForAllKinds) {
 }
 
 TEST(FrameTask, HasAnErrorRateThatIsLinearInTheJointVelocityForAllKinds) {
-  for (const Kind& kind : Kinds()) {
+  for (const TaskKind& kind : Kinds()) {
     RandomStates random(kind.options.model, 28);
     BlockTester<FrameTask> t(kind.options);
     for (int k = 0; k < 20; ++k) {
@@ -360,7 +307,7 @@ TEST(FrameTask, HasAnErrorRateThatIsLinearInTheJointVelocityForAllKinds) {
 
 TEST(FrameTask, HasTheRateOfItsErrorForAllPositions) {
   const double h = 1e-5;
-  for (const Kind& kind : Kinds()) {
+  for (const TaskKind& kind : Kinds()) {
     if (kind.options.part != Part::Position) continue;
     RandomStates random(kind.options.model, 29);
     BlockTester<FrameTask> t(kind.options);
@@ -380,7 +327,7 @@ TEST(FrameTask, HasTheRateOfItsErrorForAllPositions) {
 TEST(FrameTask, HasTheRateOfHalfTheSquaredErrorForWholeOrientationsAndPointing) {
   const double h = 1e-5;
   int tried = 0;
-  for (const Kind& kind : Kinds()) {
+  for (const TaskKind& kind : Kinds()) {
     const bool own = kind.options.axes == FrameTask::Axes::Frame;
     const std::string what = kind.name.substr(0, kind.name.find(','));
     if (what != "pose" && what != "orientation" &&
@@ -496,7 +443,7 @@ Eigen::MatrixXd Inertia(const RobotDynamics& d, const Objective& o) {
 }
 
 TEST(FrameTask, GivesWayByItsMobilityWhateverTheArmsOwnInertia) {
-  for (const Kind& kind : Kinds()) {
+  for (const TaskKind& kind : Kinds()) {
     if (kind.options.relative_to && kind.options.stiffness.size() == 6)
       continue;  // five joints move one hand against the other
     RandomStates random(kind.options.model, 33);

@@ -53,6 +53,7 @@ struct AllKinds {
   Eigen::Vector3d fixed = Eigen::Vector3d::Zero();
   Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 4, 1> dynamic = {};
   Eigen::Matrix2d matrix = Eigen::Matrix2d::Identity();
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 3, 4> any = {};
   std::optional<double> maybe = 2.5;
   std::optional<Spring> maybe_spring = {};
   Spring spring = {.stiffness = 1};
@@ -77,6 +78,7 @@ struct AllKinds {
     f("fixed", fixed, "m");
     f("dynamic", dynamic, "m");
     f("matrix", matrix);
+    f("any", any);
     f("maybe", maybe, "s", kPositive);
     f("maybe_spring", maybe_spring);
     f("spring", spring);

@@ -137,6 +137,22 @@ TEST(ParameterFill, TakesVectorsAndMatricesOfTheirSize) {
   EXPECT_EQ(ErrorIn("matrix: [[1, 2], [3, x]]"), "a.yaml:1:22: expected a number, got 'x'");
 }
 
+TEST(ParameterFill, TakesANumberAListOrRowsForAMatrixOfAnySize) {
+  EXPECT_EQ(Filled("any: 0.5").any, Eigen::MatrixXd::Constant(1, 1, 0.5));
+  EXPECT_EQ(Filled("any: [1, 2, 3]").any, Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(Filled("any: [[1, 2, 3], [4, 5, 6]]").any,
+            (Eigen::MatrixXd(2, 3) << 1, 2, 3, 4, 5, 6).finished());
+  EXPECT_EQ(Filled("any: []").any.size(), 0);
+  EXPECT_EQ(Filled("any: ~").any.size(), 0);
+  EXPECT_EQ(ErrorIn("any: x"), "a.yaml:1:6: expected a number, got 'x'");
+  EXPECT_EQ(ErrorIn("any: [1, [2]]"), "a.yaml:1:10: expected a number, got a list");
+  EXPECT_EQ(ErrorIn("any: [[1, 2], 3]"), "a.yaml:1:15: expected a list, got '3'");
+  EXPECT_EQ(ErrorIn("any: [[1, 2], [3]]"), "a.yaml:1:15: expected a list of 2, got one of 1");
+  EXPECT_EQ(ErrorIn("any: [1, 2, 3, 4]"), "a.yaml:1:6: expected a list of at most 3, got one of 4");
+  EXPECT_EQ(ErrorIn("any: [[1, 2, 3, 4, 5]]"),
+            "a.yaml:1:7: expected a list of at most 4, got one of 5");
+}
+
 TEST(ParameterFill, LeavesOutWhatIsOptional) {
   EXPECT_EQ(Filled("").maybe, 2.5);
   EXPECT_EQ(Filled("maybe: ~").maybe, std::nullopt);

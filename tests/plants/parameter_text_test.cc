@@ -111,6 +111,9 @@ AllKinds Random(std::uint64_t seed) {
   all.dynamic.resize(static_cast<Eigen::Index>(dice.Below(5)));
   for (double& x : all.dynamic) x = dice.Number();
   for (double& x : all.matrix.reshaped()) x = dice.Number();
+  const auto rows = static_cast<Eigen::Index>(dice.Below(4));
+  all.any.resize(rows, rows == 0 ? 0 : static_cast<Eigen::Index>(1 + dice.Below(4)));
+  for (double& x : all.any.reshaped()) x = dice.Number();
   all.maybe.reset();
   if (dice.Below(2)) all.maybe = 0.25;
   if (dice.Below(2)) all.maybe_spring = dice.Coil();
@@ -141,6 +144,7 @@ TEST(ParametersText, ReadsBackBitForBit) {
     for (int i = 0; i < all.dynamic.size(); ++i) ExpectSame(back.dynamic(i), all.dynamic(i), text);
     for (int i = 0; i < 4; ++i)
       ExpectSame(back.matrix(i / 2, i % 2), all.matrix(i / 2, i % 2), text);
+    EXPECT_EQ(back.any, all.any) << text;
     EXPECT_EQ(back.count, all.count) << text;
     EXPECT_EQ(back.seed, all.seed) << text;
     EXPECT_EQ(back.flag, all.flag) << text;
