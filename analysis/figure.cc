@@ -382,7 +382,8 @@ void Script::Bars(const Panel& panel) {
   text_ << "set boxwidth " << Number(0.9 * width) << " absolute\nset xtics (";
   for (std::size_t g = 0; g < groups.size(); ++g)
     text_ << (g ? ", " : "") << Quoted(groups[g]) << " " << g;
-  text_ << ")\nset xrange [-0.6:" << Number(static_cast<double>(groups.size()) - 0.4) << "]\n";
+  text_ << (groups == std::vector<std::string>{""} ? ")\nunset xtics" : ")")
+        << "\nset xrange [-0.6:" << Number(static_cast<double>(groups.size()) - 0.4) << "]\n";
 
   std::vector<double> at(panel.bars.size());
   for (std::size_t l = 0; l < labels.size(); ++l) {
@@ -433,8 +434,8 @@ void Script::Bands(const Panel& panel) {
     return std::isfinite(value) ? "first " + Number(value) : std::string("graph ") + side;
   };
   for (const Band& band : panel.x_bands)
-    Rectangle(end(band.from, "0") + ", graph 0", end(band.to, "1") + ", graph 1", internal::kGrey,
-              band.label);
+    Rectangle(end(band.from, "0") + ", graph 0", end(band.to, "1") + ", graph 1",
+              band.forbidden ? internal::kVermillion : internal::kGrey, band.label);
   for (const Band& band : panel.y_bands)
     Rectangle("graph 0, " + end(band.from, "0"), "graph 1, " + end(band.to, "1"),
               internal::kVermillion, band.label);

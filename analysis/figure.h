@@ -39,6 +39,7 @@ struct Bracket {
 struct Band {
   double from, to;
   std::string label = {};
+  bool forbidden = false;  ///< in the colour of y_bands
 };
 
 /// A dashed line across the panel, or upright.

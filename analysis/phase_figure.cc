@@ -118,7 +118,8 @@ Figure PhaseFigure::Draw(const Runs& all) const {
     panel.x_limits.push_back({.at = bound.safe});
     panel.x_limits.push_back({.at = bound.limit});
     for (const double from : {bound.safe, bound.limit})
-      panel.x_bands.push_back(bound.outward > 0 ? Band{from, kUnbounded} : Band{-kUnbounded, from});
+      panel.x_bands.push_back(bound.outward > 0 ? Band{from, kUnbounded, "", true}
+                                                : Band{-kUnbounded, from, "", true});
     std::vector<std::pair<double, double>> drawn;
     for (const std::string& name_of_run : runs) {
       const RunData& run = all[name_of_run];

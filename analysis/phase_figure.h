@@ -14,8 +14,8 @@ namespace pliant {
 ///
 ///   q̇ = λ/(4M²) (q⁺ − d_s − q)    above,    q̇ = λ/(4M²) (q⁻ + d_s − q)    below
 ///
-/// beyond which the damper brakes, and on which a joint that keeps to its bounds never is for
-/// M > 1 but at the end. A bound is drawn if the joint comes nearer to it than the curves are wide.
+/// beyond which the damper brakes. A bound is drawn if the joint comes nearer to it than the curves
+/// are wide.
 struct PhaseFigure {
   static constexpr const char* kTag = "Phase";
   std::string name, caption;

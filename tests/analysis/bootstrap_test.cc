@@ -69,6 +69,14 @@ TEST(Bootstrap, StandardErrorOfAMeanIsTheTextbooks) {
   EXPECT_EQ(b.estimate, Mean(kSkewed));
 }
 
+// Efron & Tibshirani, table 2.1, seven mice under treatment, and table 2.2: the bootstrap's
+// standard error of the mean is 23.36 for B → ∞.
+TEST(Bootstrap, AgreesWithTheMiceOfEfronAndTibshirani) {
+  const Bootstrap mice = BootstrapOf({94, 197, 16, 38, 99, 141, 23}, Mean, {.resamples = 100'000});
+  EXPECT_NEAR(mice.estimate, 86.86, 0.005);
+  EXPECT_NEAR(mice.standard_error, 23.36, 23.36 * 4 / std::sqrt(2e5));  // 4 / √(2 B)
+}
+
 TEST(Bootstrap, IsTheSameForTheSameSeedAndAnotherForAnother) {
   for (const BootstrapMethod method : {BootstrapMethod::kPercentile, BootstrapMethod::kBca}) {
     const BootstrapOptions seven{.resamples = 500, .method = method, .seed = 7};

@@ -190,6 +190,70 @@ TEST(ExperimentFile, RefusesFiguresThatCannotBeDrawn) {
             "and '-', got 'a b'");
   EXPECT_EQ(figures("!Limits {run: full}, !Limits {run: stiff}"),
             "e.yaml: figure !Limits: there are two figures named 'limits'");
+  EXPECT_EQ(figures("!Limits {run: full}, !Limits {name: other, run: stiff}"), "no error");
+  for (const char* tag :
+       {"Velocities {runs: [full]", "Limits {run: full", "Predictions {as_if_static: [full]"})
+    EXPECT_THAT(figures("!" + std::string(tag) + ", name: a b}"),
+                HasSubstr("its name, which names its file, has letters, digits, '_' and '-'"));
+  EXPECT_THAT(figures("!Phase {name: n, caption: c, runs: [full], joint: joint_8}"),
+              AllOf(StartsWith("e.yaml: figure !Phase: "), HasSubstr("did you mean 'joint_")));
+  EXPECT_EQ(figures("!Phase {name: n, caption: c, runs: [full], joint: joint_1, from_s: 1}"),
+            "e.yaml: figure !Phase: from_s must be <= duration_s, 0.1, got 1");
+  EXPECT_EQ(figures("!Path {name: n, caption: c, runs: [full]}"),
+            "e.yaml: figure !Path: it shows no plane");
+  EXPECT_THAT(figures("!Path {name: n, caption: c, runs: [full], planes: [{x: {signal: "
+                      "control.pose_error, element: q}, y: {signal: arm.energy, element: ''}}]}"),
+              HasSubstr("'element' says nothing"));
+  EXPECT_THAT(figures("!Path {name: n, caption: c, runs: [full], planes: [{x: {signal: "
+                      "control.pose_error, element: xx}, y: {signal: control.pose_error, element: "
+                      "y}}]}"),
+              AllOf(StartsWith("e.yaml: figure !Path: "), HasSubstr("xx")));
+  EXPECT_EQ(figures("!Bars {name: n, caption: c, runs: [full]}"),
+            "e.yaml: figure !Bars: it shows no number");
+  EXPECT_THAT(figures("!Bars {name: n, caption: c, runs: [full], numbers: [{title: t, signal: "
+                      "control.pose_error}]}"),
+              StartsWith("e.yaml: figure !Bars: the elements of control.pose_error are in [rad]"));
+}
+
+TEST(ExperimentFile, RefusesClaimsThatSoFewRepetitionsCannotSupport) {
+  const std::string number = ", signal: control.pose_error, elements: [x, y, z]}";
+  const auto differs = [&](const Overrides& set) {
+    return ErrorWith(Claimed("!Differs {" + kStated + ", run: stiff, than: full" + number), set);
+  };
+  EXPECT_EQ(differs({}),
+            "e.yaml: claim 'a': p of 1 repetition is never below 1, and alpha is 0.05; give "
+            "--repeat 4 or more");
+  EXPECT_EQ(differs({{"repeat", "4"}}), "no error");
+  EXPECT_EQ(ErrorWith(Claimed("!Equivalent {" + kStated +
+                              ", basis: b, margin: 1, run: stiff, to: full" + number)),
+            "e.yaml: claim 'a': one repetition says nothing of how numbers scatter; give --repeat "
+            "2 or more");
+  EXPECT_EQ(differs({{"repeat", "0"}}), "--set repeat=0: repeat must be from 1 to 100000, got 0");
+}
+
+TEST(ExperimentFile, RefusesClaimsOverRunsThatAreNotThere) {
+  const std::string number = ", signal: control.pose_error, elements: [x, y, z]}";
+  const std::string no_run = "e.yaml: claim 'a': there is no run 'ful'; did you mean 'full'?";
+  const Overrides often{{"repeat", "5"}};
+  EXPECT_EQ(ErrorWith(Claimed("!Differs {" + kStated + ", run: stiff, than: ful" + number), often),
+            no_run);
+  EXPECT_EQ(ErrorWith(Claimed("!Equivalent {" + kStated +
+                              ", basis: b, margin: 1, run: stiff, to: ful" + number),
+                      often),
+            no_run);
+  EXPECT_EQ(ErrorWith(Claimed("!Order {" + kStated + ", basis: b, runs: [stiff, ful]" + number)),
+            no_run);
+  EXPECT_THAT(ErrorWith(Claimed("!Order {" + kStated +
+                                ", basis: b, runs: [stiff, full], signal: control.pose_eror}")),
+              HasSubstr("did you mean 'control.pose_error'?"));
+}
+
+TEST(ExperimentFile, SaysHowOftenItIsRepeated) {
+  EXPECT_EQ(Read("").experiment.repeat, 1);
+  EXPECT_EQ(Read("repeat: 30\n").experiment.repeat, 30);
+  EXPECT_EQ(Read("repeat: 30\n", {{"repeat", "2"}}).experiment.repeat, 2);
+  EXPECT_EQ(ErrorWith("", {{"runs.1.set", "{repeat: 3}"}}),
+            "e.yaml: run 'full': a run changes its scenario only, not 'repeat'");
 }
 
 }  // namespace

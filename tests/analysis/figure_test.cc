@@ -152,6 +152,56 @@ TEST_F(DrawFigureTest, DrawsBothSidesBandsLimitsAndBars) {
     EXPECT_THAT(svg, HasSubstr("<text>" + std::string(text) + "</text>"));
 }
 
+TEST_F(DrawFigureTest, DrawsBracketsAboveTheBarsEachHigherThanTheOneBefore) {
+  Figure figure{.name = "bars"};
+  figure.panels.push_back({.bars = {{"", "a", 1, 0.5}, {"", "b", 2, 0.25}, {"", "c", 3, 1}},
+                           .brackets = {{0, 1, "n.s."}, {0, 2, "**"}}});
+  const std::string svg = Draw(figure);
+  EXPECT_THAT(svg, HasSubstr("<text>n.s.</text>"));
+  EXPECT_THAT(svg, HasSubstr("<text>**</text>"));
+  // Bars take 0 … 4; brackets stand 10 % above, and 16 % above each other; bars are 0.8/3 apart.
+  const std::string script = ReadText(File("bars.gp"));
+  EXPECT_THAT(script, HasSubstr("set label 'n.s.' at first -0.13333333333333336,4.4"));
+  EXPECT_THAT(script, HasSubstr("set label '**' at first 0,5.04"));
+  EXPECT_THAT(script, HasSubstr("set yrange [-0."));
+  EXPECT_THAT(script, HasSubstr("unset xtics"));  // there is but one group, without a name
+}
+
+TEST_F(DrawFigureTest, DrawsUprightLimitsDashesAndEqualScales) {
+  Figure figure = OneCurve({0, 4}, {1, 2});
+  figure.panels[0].curves.push_back({"slope", {0, 4}, {0, 1}, Side::Left, Curve::Draw::Dashes});
+  figure.panels[0].x_limits = {{3, "wall"}};
+  figure.panels[0].x_bands = {{3, kInfinity, "beyond", true}};
+  figure.panels[0].equal_scales = true;
+  const std::string svg = Draw(figure);
+  for (const char* text : {"slope", "wall", "beyond"})
+    EXPECT_THAT(svg, HasSubstr("<text>" + std::string(text) + "</text>"));
+  const std::string script = ReadText(File("one.gp"));
+  EXPECT_THAT(script, HasSubstr("set size ratio -1\n"));
+  EXPECT_THAT(script, HasSubstr("set arrow from first 3, graph 0 to first 3, graph 1 nohead"));
+  // x from 0 to 4 with 1/1000 as room, y as long about its middle, 1.
+  EXPECT_THAT(script, HasSubstr("set xrange [-0.004"));
+  EXPECT_THAT(script, HasSubstr("set yrange [-1.00"));
+}
+
+TEST_F(DrawFigureTest, RefusesBracketsAndScalesThatCannotBeDrawn) {
+  Figure figure{.name = "one", .panels = {{.bars = {{"", "a", 1}, {"", "b", 2}}}}};
+  figure.panels[0].brackets = {{0, 2, "*"}};
+  EXPECT_EQ(ErrorOfDrawing(figure),
+            "figure 'one', panel 1: bracket '*': it is over two of 2 bars, counted from 0, got 0 "
+            "and 2");
+  figure.panels[0].brackets = {{1, 1, "*"}};
+  EXPECT_EQ(ErrorOfDrawing(figure),
+            "figure 'one', panel 1: bracket '*': it is over two different bars, got 1 twice");
+  figure = OneCurve({1}, {1});
+  figure.panels[0].x_limits = {{kNan, "wall"}};
+  EXPECT_EQ(ErrorOfDrawing(figure), "figure 'one', panel 1: limit 'wall' must be finite, got nan");
+  figure = OneCurve({1}, {1});
+  figure.panels[0].equal_scales = figure.panels[0].x.logarithmic = true;
+  EXPECT_EQ(ErrorOfDrawing(figure),
+            "figure 'one', panel 1: axes of equal scales are not logarithmic");
+}
+
 TEST_F(DrawFigureTest, RefusesWhatCannotBeDrawn) {
   Figure figure = OneCurve({0, 1}, {0});
   EXPECT_EQ(ErrorOfDrawing(figure),

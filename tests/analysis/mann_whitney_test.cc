@@ -121,6 +121,15 @@ TEST(MannWhitney, EffectIsOneWhenTheFirstSampleIsLargerThroughout) {
   EXPECT_EQ(MannWhitneyTest({1, 2, 3}, {1, 2, 3}).rank_biserial, 0);
 }
 
+// Wendt, Eur. J. Soc. Psychol. 2 (1972), 463: r = 1 − 2 U/(n m), U the smaller of the two; the race
+// of six hares and six tortoises, T H H H H H T T T T T H from first to last, of which tortoises
+// win 11 of 36 pairs, as told in textbooks after Aesop.
+TEST(MannWhitney, EffectIsThatOfWendt) {
+  const MannWhitney test = MannWhitneyTest({12, 6, 5, 4, 3, 2}, {11, 10, 9, 8, 7, 1});
+  EXPECT_EQ(test.u, 11);
+  EXPECT_NEAR(test.rank_biserial, -(1 - 2 * 11.0 / 36), kRoundOff);
+}
+
 /// U by its definition, over all pairs.
 double CountU(const std::vector<double>& first, const std::vector<double>& second) {
   double u = 0;

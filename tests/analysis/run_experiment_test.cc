@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "pliant/analysis/mcap_log.h"
+#include "pliant/analysis/repeated_number.h"
 #include "pliant/tests/analysis/compliance_experiment.h"
 #include "pliant/tests/support/error_of.h"
 
@@ -298,6 +299,54 @@ TEST(ReportOf, SaysTheSameOfLogsAsOfRunsInMemory) {
     EXPECT_EQ(one.tables[i].rows, other.tables[i].rows);
   EXPECT_EQ(one.figures.at(0).panels.at(0).curves.at(0).y,
             other.figures.at(0).panels.at(0).curves.at(0).y);
+}
+
+// Claims and bars over five repetitions: numbers of all of them, in the order of their seeds.
+TEST(ReportOf, JudgesAllRepetitionsTogether) {
+  const TemporaryDirectory out;
+  ExperimentFile file = Noisy(5);
+  const SignalNumber peak{.signal = "control.pose_error", .elements = {"x", "y", "z"}};
+  const ClaimSource stated{.id = "a", .source = "s", .paper = "p"};
+  DifferenceClaim differs{.claim = stated, .run = "stiff", .than = "full", .number = peak};
+  file.experiment.claims = {differs};
+  BarFigure bars{.name = "bars", .caption = "c", .runs = {"stiff", "full"}};
+  bars.numbers = {{.title = "peak", .number = peak}};
+  file.experiment.figures = {bars};
+  const auto logs = RunExperiment(file, {.out = out.path()});
+  const Report report = ReportOf(logs).report;
+
+  RepeatedNumber expected(peak, {"stiff", "full"});
+  const std::vector<RunData> runs = ReadRuns(logs);
+  for (std::size_t k = 0; k < 10; k += 2) expected.Add(Runs({&runs[k], &runs[k + 1]}));
+  EXPECT_EQ(report.claims.at(0), differs.Judge(expected));
+  ASSERT_EQ(report.tables.size(), 4u);
+  EXPECT_EQ(report.tables[0].rows, NumbersTable({expected}).rows);  // once for claim and bars
+  EXPECT_EQ(report.tables[0].rows.size(), 2u);
+  const Panel& panel = report.figures.at(0).panels.at(0);
+  EXPECT_THAT(panel.title, StartsWith("peak ["));
+  EXPECT_EQ(panel.bars.size(), 2u);
+  EXPECT_EQ(panel.brackets.size(), 1u);
+
+  // Three of the five can never support the claim.
+  EXPECT_EQ(ErrorOf([&] {
+              ReportOf({logs.begin(), logs.begin() + 6});
+            }),
+            "claim 'a': p of 3 repetitions is never below 0.1, and alpha is 0.05; give --repeat 4 "
+            "or more");
+}
+
+TEST(ReportOf, SaysWhichClaimALogDoesNotFit) {
+  const TemporaryDirectory out;
+  ExperimentFile file = Short();
+  BoundClaim bound{.claim = {.id = "a", .source = "s", .paper = "p"},
+                   .basis = "b",
+                   .run = "stiff",
+                   .number = {.signal = "arm.energy", .from_s = 5}};
+  bound.most = 1;
+  file.experiment.claims = {bound};
+  const auto logs = RunExperiment(file, {.out = out.path()});
+  EXPECT_EQ(ErrorOf([&] { ReportOf(logs); }),
+            "claim 'a': no row of arm.energy lies between from_s and to_s, got 5 and inf");
 }
 
 TEST(ReportOf, HoldsARunOfAMinuteInLessThanFiveMegabytes) {

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include <limits>
 
 namespace pliant {
@@ -36,6 +38,16 @@ TEST(WithUnit, ShowsWhatIsNoNumber) {
   EXPECT_EQ(WithUnit(std::numeric_limits<double>::quiet_NaN(), "m"), "not a number");
   EXPECT_EQ(WithUnit(-std::numeric_limits<double>::infinity(), "m"), "-∞ m");
   EXPECT_EQ(WithUnit(3.2e-14, "m"), "3.20e-14 m");
+}
+
+TEST(UnitFor, IsTheUnitThatTheTextHas) {
+  const auto unit = [](double value, const char* of) { return UnitFor(value, of); };
+  EXPECT_EQ(unit(0.0221, "m").unit, "mm");
+  EXPECT_EQ(unit(0.0221, "m").factor, 1e-3);
+  EXPECT_EQ(unit(-12345, "N").unit, "kN");
+  EXPECT_EQ(unit(0.01, "m²").unit, "m²");
+  EXPECT_EQ(unit(0, "m").factor, 1);
+  EXPECT_EQ(unit(std::nan(""), "m").unit, "m");
 }
 
 }  // namespace
