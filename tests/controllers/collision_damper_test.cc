@@ -334,7 +334,9 @@ TEST(CollisionDamper, PushesOutWhatHasPenetrated) {
       if (e(i) > 0) continue;
       ++inside;
       // At rest ë ≥ λ²/(4M²) (d_s − e), also where cores overlap, but for rows without effect.
-      if (std::isfinite(rows.lower(i))) EXPECT_NEAR(rows.lower(i), 625 * (0.015 - e(i)), 1e-9);
+      if (std::isfinite(rows.lower(i))) {
+        EXPECT_NEAR(rows.lower(i), 625 * (0.015 - e(i)), 1e-9);
+      }
     }
   }
   EXPECT_GT(inside, 200);
