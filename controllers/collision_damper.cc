@@ -84,7 +84,8 @@ void CollisionDamper::Bound(AccelerationRows& out, const RobotDynamics& d) const
     const Proximity p = Closest(a, b, delta_);
     int body_a = geometry_.part(pair.a).body, body_b = geometry_.part(pair.b).body;
     const BodyMotion &A = MotionOfBody(d, body_a), &B = MotionOfBody(d, body_b);
-    const double edot = p.normal.dot(VelocityAt(A, p.a) - VelocityAt(B, p.b));
+    const Vector3d w = VelocityAt(A, p.a) - VelocityAt(B, p.b);
+    const double edot = p.normal.dot(w);
     const double least = damper_.Least(p.distance - d_s_, edot);
     if (least <= -A_) continue;
 
@@ -105,7 +106,11 @@ void CollisionDamper::Bound(AccelerationRows& out, const RobotDynamics& d) const
       body = bodies[At(body)].parent;
     }
     if (squares < kNoEffect * kNoEffect) continue;
-    out.lower(i) = least - p.normal.dot(AccelerationAt(A, p.a) - AccelerationAt(B, p.b));
+    const bool a_is_larger = a.shape->extent > b.shape->extent;
+    const Vector3d c = (a_is_larger ? A : B).omega.cross(p.normal);
+    const double beta = p.normal.dot(AccelerationAt(A, p.a) - AccelerationAt(B, p.b)) +
+                        2 * w.dot(c) - p.normal.dot(p.a - p.b) * c.squaredNorm();
+    out.lower(i) = least - beta;
   }
 }
 

@@ -11,29 +11,27 @@
 namespace pliant {
 
 /// Keeps links apart from one another and from obstacles, by a second-order velocity damper for
-/// each pair of shapes. With e the softened distance (collision_distance.h), n the normal from b to
-/// a, and x_a, x_b the closest points as points of their bodies:
+/// each pair of shapes. With e the softened distance, n the normal from b to a, and x_a, x_b the
+/// closest points as points of their bodies (collision_distance.h), w = ẋ_a − ẋ_b, z = nᵀ(x_a −
+/// x_b):
 ///
 ///   ė = nᵀ(J_a − J_b) q̇
-///   ë = nᵀ(J_a − J_b) q̈ + nᵀ(J̇_a − J̇_b) q̇ + κ
+///   ë = nᵀ(J_a − J_b) q̈ + β + κ,   β = nᵀ(J̇_a − J̇_b) q̇ + 2 wᵀc − z ‖c‖²,   c = ω × n
 ///
-///   nᵀ(J_a − J_b) q̈ ≥ −λ ė − λ²/(4M²) (e − d_s) − nᵀ(J̇_a − J̇_b) q̇                    (EC 24)
+///   nᵀ(J_a − J_b) q̈ ≥ −λ ė − λ²/(4M²) (e − d_s) − β                                     (EC 24)
 ///
-/// is a row of `rows`. κ is left out, so that rows and bounds do not jump. It is
+/// is a row of `rows`. ω is the rate of rotation of the body with the larger core, so that the
+/// first two parts of ë are how one point accelerates along n as seen from that body. κ is what e
+/// gains as n turns with that point, and loses as the closest points slide. It is left out, so that
+/// rows and bounds do not jump. With w' = w − n nᵀ w − z c, Ω the rate of rotation of one body as
+/// seen from the other and R the smaller extent of the cores,
 ///
-///   κ = ‖w_⊥‖²/‖x_a − x_b‖ − gᵀ H⁻¹ g
+///   −Ω² R²/δ ≤ κ ≤ ‖w'‖²/z
 ///
-/// with w_⊥ the part normal to n of the relative velocity w of the points. The first term is the
-/// bending of the line between fixed points: without it, rows are on the safe side. The second is
-/// what e loses as the closest points slide: H > 0 is the second derivative of what e is the
-/// minimum of, g how fast its gradient changes. It takes back the first where a point goes along a
-/// plane or a line. With ω the rate of rotation of one body as seen from the other and R the
-/// smaller extent of the cores,
-///
-///   κ ≥ −ω² R²/δ
-///
-/// and that only while parallel edges or faces turn through 2 δ/R, so ė loses at most 2 ω R, and e
-/// at most 2 ω R/λ, by what is left out. Elsewhere κ is at least of the order of −ω² ‖x_a − x_b‖.
+/// If one core is a point R = 0, and to leave out κ is on the safe side. Otherwise κ < 0 only where
+/// bodies turn with the points sliding on edges or faces, and it is as large as that only while
+/// parallel ones turn through 2 δ/R; so what is left out takes at most 2 Ω R of ė there, and 2 Ω
+/// R/λ of e.
 ///
 /// A row stays infinite where no q̈ that closes the pair with ë ≥ −A violates it: where the bound on
 /// ë is below −A. For most pairs the spheres around them show that,

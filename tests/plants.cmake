@@ -41,3 +41,5 @@ pliant_test(plants/collision_shape_test.cc LIBRARIES pliant::plants)
 # Exact arithmetic, an oracle for tests only; its headers ask for options of their own.
 find_package(CGAL REQUIRED)
 pliant_test(plants/collision_exact_test.cc LIBRARIES pliant::plants CGAL::CGAL)
+find_package(fcl REQUIRED)
+pliant_test(plants/collision_fcl_test.cc LIBRARIES pliant::plants fcl)
