@@ -71,7 +71,7 @@ DoorMotion VirtualDoor::Swing(const FrameDynamics& tool, const RobotDynamics& d,
   now.angle = std::atan2(y, x);
   // On the axis itself there is no angle, and no rate.
   now.rate = square > 0 ? (x * w_.dot(v) - y * u_.dot(v)) / square : 0;
-  now.external = Screw(now.angle).dot(FrameForce(d, tool, qdd_e));
+  now.external = Screw(now.angle).dot(FrameForce(d, tool, qdd_e, o_.inertia_limit));
   now.passive = Passive(now.angle, now.rate);
   const double torque = now.external + now.passive;
   now.friction =
