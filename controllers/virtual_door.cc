@@ -54,12 +54,19 @@ VirtualDoor::VirtualDoor(const Options& o)
                             JointAcceleration::Zero(o.joints)},
       mobility{this, "mobility", {}, TaskMatrix::Zero(6, 6)},
       door{this, "door"},
+      pose{this, "pose"},
+      twist{this, "twist"},
+      acceleration{this, "acceleration"},
       o_{o},
       n_{AxisOf(o)},
       u_{AlongRadius(o, n_)},
-      w_{n_.cross(u_)} {
+      w_{n_.cross(u_)},
+      handle_{this, "handle"} {
   Compute(door).From(frame, dynamics, external_acceleration).As(&VirtualDoor::Swing);
-  Compute(motion_).From(door).As(&VirtualDoor::Handle);
+  Compute(handle_).From(door).As(&VirtualDoor::Handle);
+  Compute(pose).From(handle_).As([](const PoseMotion& m) { return m.pose; });
+  Compute(twist).From(handle_).As([](const PoseMotion& m) { return m.twist; });
+  Compute(acceleration).From(handle_).As([](const PoseMotion& m) { return m.acceleration; });
   Compute(mobility).From(door).As(&VirtualDoor::Mobility);
 }
 

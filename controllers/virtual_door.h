@@ -73,7 +73,7 @@ struct DoorMotion {
 ///
 /// θ lies within half a turn of closed. The tool must not come near the hinge's axis.
 /// Source: Celerier et al. 2025 (EC), virtual inertia and the demonstration of a door.
-class VirtualDoor final : public PoseReference {
+class VirtualDoor final : public Block {
  public:
   /// Where the door is stopped, by the law of hunt_crossley.h with an angle for the depth.
   struct Stops {
@@ -135,6 +135,10 @@ class VirtualDoor final : public PoseReference {
   Output<TaskMatrix> mobility;                     ///< Y, 6×6 [1/(kg·m²), 1/(kg·m), 1/kg]
   Output<DoorMotion> door;
 
+  /// What the task follows: target, target_twist and target_acceleration.
+  Output<Pose> pose;
+  Output<Twist> twist, acceleration;
+
  private:
   DoorMotion Swing(const FrameDynamics& tool, const RobotDynamics& d,
                    const JointAcceleration& qdd_e) const;
@@ -146,6 +150,7 @@ class VirtualDoor final : public PoseReference {
 
   const Options o_;
   const Eigen::Vector3d n_, u_, w_;  // u along r₀, w = n × u
+  Output<PoseMotion> handle_;
 };
 
 }  // namespace pliant
