@@ -54,12 +54,19 @@ VirtualDoor::VirtualDoor(const Options& o)
                             JointAcceleration::Zero(o.joints)},
       mobility{this, "mobility", {}, TaskMatrix::Zero(6, 6)},
       door{this, "door"},
+      pose{this, "pose"},
+      twist{this, "twist"},
+      acceleration{this, "acceleration"},
       o_{o},
       n_{AxisOf(o)},
       u_{AlongRadius(o, n_)},
-      w_{n_.cross(u_)} {
+      w_{n_.cross(u_)},
+      handle_{this, "handle"} {
   Compute(door).From(frame, dynamics, external_acceleration).As(&VirtualDoor::Swing);
-  Compute(motion_).From(door).As(&VirtualDoor::Handle);
+  Compute(handle_).From(door).As(&VirtualDoor::Handle);
+  Compute(pose).From(handle_).As([](const PoseMotion& m) { return m.pose; });
+  Compute(twist).From(handle_).As([](const PoseMotion& m) { return m.twist; });
+  Compute(acceleration).From(handle_).As([](const PoseMotion& m) { return m.acceleration; });
   Compute(mobility).From(door).As(&VirtualDoor::Mobility);
 }
 
@@ -71,7 +78,7 @@ DoorMotion VirtualDoor::Swing(const FrameDynamics& tool, const RobotDynamics& d,
   now.angle = std::atan2(y, x);
   // On the axis itself there is no angle, and no rate.
   now.rate = square > 0 ? (x * w_.dot(v) - y * u_.dot(v)) / square : 0;
-  now.external = Screw(now.angle).dot(FrameForce(d, tool, qdd_e));
+  now.external = Screw(now.angle).dot(FrameForce(d, tool, qdd_e, o_.inertia_limit));
   now.passive = Passive(now.angle, now.rate);
   const double torque = now.external + now.passive;
   now.friction =

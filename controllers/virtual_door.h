@@ -68,9 +68,12 @@ struct DoorMotion {
 /// then this is the implicit rule for c sgn(θ̇) with a step of T. A door that is held has no memory
 /// of where: an error ε of τ̂_e moves it at T ε/I.
 ///
+/// Both ways of F̂, through Y and through τ_e, must be the same for the door to be held: FrameForce
+/// and the task have one limit of inertia.
+///
 /// θ lies within half a turn of closed. The tool must not come near the hinge's axis.
 /// Source: Celerier et al. 2025 (EC), virtual inertia and the demonstration of a door.
-class VirtualDoor final : public PoseReference {
+class VirtualDoor final : public Block {
  public:
   /// Where the door is stopped, by the law of hunt_crossley.h with an angle for the depth.
   struct Stops {
@@ -104,6 +107,7 @@ class VirtualDoor final : public PoseReference {
     double viscous = 0;                                ///< b [N·m·s/rad]
     double coulomb = 0;                                ///< c [N·m]
     double stopping_time = 0.01;                       ///< T [s]
+    double inertia_limit = 200;  ///< of FrameForce, as that of the task [kg, kg·m²]
     std::optional<Stops> stops = {};
 
     template <class F>
@@ -118,6 +122,7 @@ class VirtualDoor final : public PoseReference {
       f("viscous", viscous, "N·m·s/rad", kNotNegative);
       f("coulomb", coulomb, "N·m", kNotNegative);
       f("stopping_time", stopping_time, "s", kPositive);
+      f("inertia_limit", inertia_limit, "kg", kPositive);
       f("stops", stops);
     }
   };
@@ -130,6 +135,10 @@ class VirtualDoor final : public PoseReference {
   Output<TaskMatrix> mobility;                     ///< Y, 6×6 [1/(kg·m²), 1/(kg·m), 1/kg]
   Output<DoorMotion> door;
 
+  /// What the task follows: target, target_twist and target_acceleration.
+  Output<Pose> pose;
+  Output<Twist> twist, acceleration;
+
  private:
   DoorMotion Swing(const FrameDynamics& tool, const RobotDynamics& d,
                    const JointAcceleration& qdd_e) const;
@@ -141,6 +150,7 @@ class VirtualDoor final : public PoseReference {
 
   const Options o_;
   const Eigen::Vector3d n_, u_, w_;  // u along r₀, w = n × u
+  Output<PoseMotion> handle_;
 };
 
 }  // namespace pliant

@@ -403,6 +403,7 @@ TEST(VirtualDoor, RefusesWhatIsNoDoor) {
   EXPECT_EQ(error([](O& o) { o.viscous = -1; }), "viscous must be >= 0 N·m·s/rad, got -1");
   EXPECT_EQ(error([](O& o) { o.coulomb = -1; }), "coulomb must be >= 0 N·m, got -1");
   EXPECT_EQ(error([](O& o) { o.stopping_time = 0; }), "stopping_time must be > 0 s, got 0");
+  EXPECT_EQ(error([](O& o) { o.inertia_limit = 0; }), "inertia_limit must be > 0 kg, got 0");
   EXPECT_EQ(error([](O& o) { o.hinge = O{}.hinge; }), "hinge[x] must be finite m, got nan");
   EXPECT_EQ(error([](O& o) { o.center(1) = NAN; }), "center[y] must be finite m, got nan");
   EXPECT_EQ(error([](O& o) { o.gravity(2) = NAN; }), "gravity[z] must be finite m/s², got nan");

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numbers>
 #include <optional>
 #include <vector>
 
@@ -191,7 +192,7 @@ double MomentOf(const VirtualDoor::Options& o, const Push::Options& push, double
   const double edge = std::clamp(std::min(s, T - s) / push.edge_s, 0.0, 1.0);
   const Vector3d n = o.axis.normalized();
   const Vector3d r = Eigen::AngleAxisd(theta, n) * Vector3d(o.closed.position - o.hinge);
-  return 0.5 * (1 - std::cos(M_PI * edge)) * n.dot(r.cross(push.force));
+  return 0.5 * (1 - std::cos(std::numbers::pi * edge)) * n.dot(r.cross(push.force));
 }
 
 /// I θ̈ = τ_e(t, θ) + τ(θ, θ̇), by Runge and Kutta with a tenth of a period; θ at the ticks.
