@@ -24,23 +24,20 @@ namespace pliant {
 ///   τ̂_e ─▶ external ─▶ pose, posture;  τ̂_e ─▶ qp
 ///   rows ─▶ qp
 struct ComplianceRig {
-<<<<<<< HEAD
   ComplianceRig(const RobotModel& m, const std::string& tool, bool damped = true,
                 const std::vector<AccelerationRows>& all_rows = {})
-      : model{m} {
-=======
-  ComplianceRig(const RobotModel& m, const std::string& tool, bool damped = true)
       : ComplianceRig({.model = m,
                        .frame = tool,
                        .target = {{0.4, 0.1, 0.5}},
                        .stiffness = TaskVector::Constant(6, 400),
                        .damping = TaskVector::Constant(6, 40),
                        .weight = 1e4},
-                      damped) {}
+                      damped, all_rows) {}
 
-  explicit ComplianceRig(const FrameTask::Options& task, bool damped = true) : model{task.model} {
+  explicit ComplianceRig(const FrameTask::Options& task, bool damped = true,
+                         const std::vector<AccelerationRows>& all_rows = {})
+      : model{task.model} {
     const RobotModel& m = model;
->>>>>>> cc88db7690c662a8c1824894b6510754dccbd10d
     const Joints& joints = m.joints();
     DiagramBuilder b;
     q = &b.Add<Constant<JointPosition>>("q",
