@@ -9,6 +9,7 @@
 #include "pliant/analysis/bar_figure.h"
 #include "pliant/analysis/bound_claim.h"
 #include "pliant/analysis/compliance_claims.h"
+#include "pliant/analysis/damper_claim.h"
 #include "pliant/analysis/difference_claim.h"
 #include "pliant/analysis/equivalence_claim.h"
 #include "pliant/analysis/experiment_figures.h"
@@ -37,8 +38,8 @@ struct RunOf {
 /// Of a claim that is checked in each repetition, `Check` makes a Claim of its runs; of one about
 /// all of them, `Judge` makes it of the numbers `Wanted`. What must be so before a run is made:
 /// `RequireFit` of a run's scenario, `RequireSound` of what it will record, `RequireRepetitions`.
-using ClaimCheck = std::variant<StandsStill, HoldsTool, YieldsAsInertia, KeepsLimits, BoundClaim,
-                                OrderClaim, DifferenceClaim, EquivalenceClaim>;
+using ClaimCheck = std::variant<DamperClaim, StandsStill, HoldsTool, YieldsAsInertia, KeepsLimits,
+                                BoundClaim, OrderClaim, DifferenceClaim, EquivalenceClaim>;
 /// `Draw` makes the figure of the first repetition's runs, or of the numbers `Wanted` in each.
 using FigureOf = std::variant<VelocityFigure, PredictionFigure, LimitFigure, SignalFigure,
                               PhaseFigure, PathFigure, BarFigure>;

@@ -3,9 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
-#include "pliant/controllers/least_jerk.h"
 #include "pliant/systems/elements.h"
 
 namespace pliant {
@@ -127,31 +125,29 @@ ComplianceSupervisor::Memory ComplianceSupervisor::Next(const Memory& last,
 }
 
 /// A ½ (1 − cos 2π f t)
-Course ComplianceSupervisor::Swing(const Memory& m) const {
-  Course A = LeastJerk(m.swung * o_.change_s, o_.change_s);
+internal::Course ComplianceSupervisor::Way(const Memory& m) const {
+  internal::Course A = internal::LeastJerk(m.swung * o_.change_s, o_.change_s);
   if (!m.swings) A.rate = -A.rate;
-  const double omega = 2 * std::numbers::pi * o_.swing_hz, angle = omega * m.time;
-  const Course wave{0.5 * (1 - std::cos(angle)), 0.5 * omega * std::sin(angle),
-                    0.5 * omega * omega * std::cos(angle)};
+  const internal::Course wave = internal::Swing(m.time, o_.swing_hz);
   return {A.s * wave.s, A.rate * wave.s + A.s * wave.rate,
           A.acceleration * wave.s + 2 * A.rate * wave.rate + A.s * wave.acceleration};
 }
 
 Pose ComplianceSupervisor::Target(const Memory& m) const {
   Pose X = m.anchor;
-  X.position += Swing(m).s * o_.swing;
+  X.position += Way(m).s * o_.swing;
   return X;
 }
 
 Twist ComplianceSupervisor::TargetTwist(const Memory& m) const {
   Twist V;
-  V << 0, 0, 0, Swing(m).rate * o_.swing;
+  V << 0, 0, 0, Way(m).rate * o_.swing;
   return V;
 }
 
 Twist ComplianceSupervisor::TargetAcceleration(const Memory& m) const {
   Twist a;
-  a << 0, 0, 0, Swing(m).acceleration * o_.swing;
+  a << 0, 0, 0, Way(m).acceleration * o_.swing;
   return a - Twist((1 - m.changed) * m.held);
 }
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "pliant/controllers/least_jerk.h"
+#include "pliant/controllers/course.h"
 #include "pliant/controllers/objective.h"
 #include "pliant/systems/block.h"
 #include "pliant/systems/parameter.h"
@@ -146,7 +146,7 @@ class ComplianceSupervisor final : public Block {
   Memory Next(const Memory& last, const ComplianceMode& mode, const bool& dynamic,
               const Wrench& contact, const FrameDynamics& tool) const;
   const ComplianceGains& GainsOf(const Memory& m) const;
-  Course Swing(const Memory& m) const;
+  internal::Course Way(const Memory& m) const;
   Pose Target(const Memory& m) const;
   Twist TargetTwist(const Memory& m) const;
   Twist TargetAcceleration(const Memory& m) const;

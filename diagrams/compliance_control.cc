@@ -73,6 +73,34 @@ class ComplianceSchedule final : public Block {
   Output<Now> now_;
 };
 
+Pose Behind(const Pose& start, const Pose& relative) {
+  return {start.position + relative.position, relative.rotation * start.rotation};
+}
+
+/// A reference with its poses in the world.
+PoseWaypoints::Options InWorld(const Pose& start, PoseWaypoints::Options o) {
+  for (TimedPose& row : o.waypoints) row.pose = Behind(start, row.pose);
+  return o;
+}
+PoseTable::Options InWorld(const Pose& start, PoseTable::Options o) {
+  for (TimedPose& row : o.rows) row.pose = Behind(start, row.pose);
+  return o;
+}
+PoseSwing::Options InWorld(const Pose& start, PoseSwing::Options o) {
+  o.start = Behind(start, o.start);
+  return o;
+}
+PoseCircle::Options InWorld(const Pose& start, PoseCircle::Options o) {
+  o.start = Behind(start, o.start);
+  o.center += start.position;
+  return o;
+}
+
+PoseWaypoints BlockOf(const PoseWaypoints::Options&);
+PoseTable BlockOf(const PoseTable::Options&);
+PoseSwing BlockOf(const PoseSwing::Options&);
+PoseCircle BlockOf(const PoseCircle::Options&);
+
 PairNames PairsOf(const ComplianceControl::Options& o) {
   if (!o.collisions) return {};
   return CollisionGeometry(o.model, o.collisions->pairs, o.collisions->obstacles).names();
@@ -236,6 +264,29 @@ ComplianceControl::ComplianceControl(const Options& o)
     Connect(never.y, yields);
   }
 
+  const int sources = o.modes.has_value() + o.door.has_value() + o.reference.has_value();
+  Require(sources <= 1, "modes, door and reference each say where the tool is to be; expected one",
+          sources);
+  Require(!o.scaling || o.reference, "scaling is of a reference, and there is none");
+  if (o.reference) {
+    PoseReference& reference = std::visit(
+        [&]<class Options>(const Options& options) -> PoseReference& {
+          return Add<decltype(BlockOf(options))>("reference_pose",
+                                                 InWorld(start.frame[0].pose, options));
+        },
+        *o.reference);
+    Connect(reference.pose, pose.target);
+    Connect(reference.twist, pose.target_twist);
+    Connect(reference.acceleration, pose.target_acceleration);
+    if (o.scaling) {
+      PathPhase::Options options = *o.scaling;
+      options.size = 6;
+      options.period = o.period;
+      auto& scaling = Add<PathPhase>("scaling", options);
+      Connect(pose.error, scaling.error);
+      Connect(scaling.phase, reference.phase);
+    }
+  }
   if (o.door) {
     VirtualDoor::Options options = *o.door;
     options.joints = joints;

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
 #include "pliant/controllers/collision_damper.h"
@@ -13,6 +14,8 @@
 #include "pliant/controllers/frame_speed_limit.h"
 #include "pliant/controllers/joint_damper.h"
 #include "pliant/controllers/low_level_torque.h"
+#include "pliant/controllers/path_phase.h"
+#include "pliant/controllers/pose_reference.h"
 #include "pliant/controllers/virtual_door.h"
 #include "pliant/controllers/workspace_planes.h"
 #include "pliant/diagrams/external_torque_estimate.h"
@@ -93,6 +96,10 @@ struct SupervisedModes {
   }
 };
 
+/// What a tool follows. Poses are relative to the one at the start, in world axes.
+using ToolReference = std::variant<PoseWaypoints::Options, PoseTable::Options, PoseSwing::Options,
+                                   PoseCircle::Options>;
+
 /// What the arm is commanded.
 enum class ArmCommand {
   Torque,    ///< τ_d
@@ -131,7 +138,9 @@ class ComplianceControl final : public Composite {
     PoseGains pose = {};
     PostureGains posture = {};
     std::optional<SupervisedModes> modes = {};
-    std::optional<VirtualDoor::Options> door = {};  ///< that the tool is the handle of
+    std::optional<ToolReference> reference = {};     ///< none: the pose at the start
+    std::optional<PathPhase::Options> scaling = {};  ///< of the reference's time
+    std::optional<VirtualDoor::Options> door = {};   ///< that the tool is the handle of
     TorqueEstimate estimate = TorqueEstimate::Observer;
     double observer_gain = 50;   ///< K_I [1/s]
     double observer_rate = 500;  ///< L of the sliding modes [N·m/s]
@@ -148,6 +157,8 @@ class ComplianceControl final : public Composite {
       f("pose", pose);
       f("posture", posture);
       f("modes", modes);
+      f("reference", reference);
+      f("scaling", scaling);
       f("door", door);
       f("estimate", estimate);
       f("observer_gain", observer_gain, "1/s", kPositive);
