@@ -223,7 +223,8 @@ void FrameTask::Want(Objective& out, const RobotDynamics& d, const FrameDynamics
   const TaskVector pushed = out.A.lazyProduct(qdd_e);
   out.b -= c.cwiseProduct(udot) + k.cwiseProduct(u);
   out.b.noalias() += gamma.lazyProduct(pushed);
-  if (!Y.isZero(0)) out.b += AccelerationBy(Y, d, out, pushed);
+  // Without a trace a positive semi-definite matrix is 0; one that is no number is not left out.
+  if (!(Y.trace() == 0)) out.b += AccelerationBy(Y, d, out, pushed);
   out.weight = w;
 }
 

@@ -4,10 +4,13 @@
 
 #include <Eigen/Dense>
 #include <limits>
+#include <string>
 
 #include "pliant/controllers/compliance_ramp.h"
+#include "pliant/plants/parameter_text.h"
 #include "pliant/systems/block_tester.h"
 #include "pliant/tests/controllers/compliance_rig.h"
+#include "pliant/tests/controllers/task_kinds.h"
 #include "pliant/tests/support/allocations.h"
 #include "pliant/tests/support/error_of.h"
 
@@ -63,6 +66,54 @@ TEST(InAxes, TurnsTheDirectionsOfACompliance) {
     TaskVector direction = TaskVector::Zero(6);
     direction.segment<3>(i < 3 ? 0 : 3) = R.col(i % 3);
     EXPECT_LT((turned * direction - (i + 1) * direction).norm(), 1e-14);
+  }
+}
+
+TEST(FrameTaskOptions, AreReadFromAFileAndWrittenBack) {
+  const auto filled = [](const std::string& text) {
+    FrameTask::Options o;
+    ParameterFile::ReadText(text).Fill(o);
+    return o;
+  };
+  const FrameTask::Options o = filled(
+      "{frame: tool_frame, relative_to: forearm_link, part: position, axes: frame, "
+      "basis: [0, 0.6, 0.8], stiffness: [100], damping: [20], compliance: 0.5, mobility: "
+      "[[0.25]]}");
+  EXPECT_EQ(o.relative_to, "forearm_link");
+  EXPECT_EQ(o.part, FrameTask::Part::Position);
+  EXPECT_EQ(o.axes, FrameTask::Axes::Frame);
+  FrameTask::Options with_model = o;
+  with_model.model = Gen3();
+  BlockTester<FrameTask> t(with_model);
+  EXPECT_EQ(t.Get(t->compliance), TaskMatrix::Constant(1, 1, 0.5));
+  EXPECT_EQ(t.Get(t->mobility), TaskMatrix::Constant(1, 1, 0.25));
+  const std::string text = ParametersText(o);
+  EXPECT_EQ(ParametersText(filled(text)), text);
+  for (const char* gamma : {"0.5", "[0.1, 0.2, 0.3]", "[[1, 0, 0], [0, 1, 0], [0, 0, 2]]"}) {
+    FrameTask::Options one = filled("{frame: tool_frame, compliance: " + std::string(gamma) + "}");
+    EXPECT_NE(ParametersText(one).find("compliance: " + std::string(gamma) + "\n"),
+              std::string::npos)
+        << ParametersText(one);
+    EXPECT_NO_THROW(ComplianceOf<TaskMatrix>(one.compliance, 3));
+  }
+  EXPECT_EQ(ErrorOf([&] { filled("{part: position}"); }), "YAML:1:1: 'frame' is missing");
+}
+
+TEST(FrameTask, NeedsNoHeapInAnyOfItsForms) {
+  for (const TaskKind& kind : Kinds()) {
+    BlockTester<FrameTask> t(kind.options);
+    RandomStates random(kind.options.model, 44);
+    RobotDynamics d(kind.options.model);
+    ComputeDynamics(kind.options.model, random.q(), random.v(), d);
+    const Eigen::Index rows = kind.options.stiffness.size();
+    t.Set(t->dynamics, d);
+    t.Set(t->external_acceleration, random.a());
+    t.Get(t->objective);
+    t.Set(t->mobility, TaskMatrix::Identity(rows, rows));
+    t.Set(t->dynamics, d);
+    const long before = Allocations();
+    t.Get(t->objective);
+    ASSERT_EQ(Allocations() - before, 0) << kind.name;
   }
 }
 
