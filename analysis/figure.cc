@@ -247,7 +247,10 @@ Script::Script(const Figure& figure) : figure_{figure} {
   const std::size_t rows = (figure.panels.size() + columns - 1) / columns;
   const bool many = std::ranges::any_of(figure.panels, HasManyLabels);
   const bool equal = std::ranges::any_of(figure.panels, &Panel::equal_scales);
+  const bool bracketed =
+      std::ranges::any_of(figure.panels, [](const Panel& p) { return !p.brackets.empty(); });
   const std::size_t height = columns == 1 && equal       ? 600
+                             : columns > 1 && bracketed  ? 420
                              : rows == 1 && columns == 1 ? 400
                              : columns == 1 && !many     ? 250
                                                          : 340;

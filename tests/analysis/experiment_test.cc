@@ -196,7 +196,8 @@ TEST(ExperimentFile, RefusesFiguresThatCannotBeDrawn) {
     EXPECT_THAT(figures("!" + std::string(tag) + ", name: a b}"),
                 HasSubstr("its name, which names its file, has letters, digits, '_' and '-'"));
   EXPECT_THAT(figures("!Phase {name: n, caption: c, runs: [full], joint: joint_8}"),
-              AllOf(StartsWith("e.yaml: figure !Phase: "), HasSubstr("did you mean 'joint_")));
+              AllOf(StartsWith("e.yaml: figure !Phase: "),
+                    HasSubstr("has no element 'joint_8'; did you mean")));
   EXPECT_EQ(figures("!Phase {name: n, caption: c, runs: [full], joint: joint_1, from_s: 1}"),
             "e.yaml: figure !Phase: from_s must be <= duration_s, 0.1, got 1");
   EXPECT_EQ(figures("!Path {name: n, caption: c, runs: [full]}"),

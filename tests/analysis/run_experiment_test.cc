@@ -328,9 +328,7 @@ TEST(ReportOf, JudgesAllRepetitionsTogether) {
   EXPECT_EQ(panel.brackets.size(), 1u);
 
   // Three of the five can never support the claim.
-  EXPECT_EQ(ErrorOf([&] {
-              ReportOf({logs.begin(), logs.begin() + 6});
-            }),
+  EXPECT_EQ(ErrorOf([&] { ReportOf(std::vector<fs::path>(logs.begin(), logs.begin() + 6)); }),
             "claim 'a': p of 3 repetitions is never below 0.1, and alpha is 0.05; give --repeat 4 "
             "or more");
 }

@@ -172,6 +172,22 @@ class Run(InFolder):
         self.assertIn("repetition 1 has no log of run 'two'; a report needs one of each run",
                       self.ends(2, "report", *[f"out/logs/{f}" for f in logs[:3]], "--out", "r"))
 
+    def test_repeats_as_often_as_the_file_says_unless_told_otherwise(self):
+        self.write("arm.yaml", self.scenario + "repeat: 3\n")
+        self.ends(0, "run", "arm.yaml", *SHORT, "--out", "out")
+        self.assertEqual(len(list((self.folder / "out/logs").iterdir())), 3)
+        self.ends(0, "run", "arm.yaml", *SHORT, "--out", "once", "--repeat", "1")
+        self.assertEqual([f.name for f in (self.folder / "once/logs").iterdir()], ["run.mcap"])
+
+    def test_refuses_fewer_repetitions_than_a_claim_needs(self):
+        self.write("arm.yaml", self.scenario + "repeat: 5\nruns:\n  - {name: one, title: one}\n"
+                   "  - {name: two, title: two, set: {controller.posture.compliance: 1}}\n"
+                   "claims:\n  - !Differs {id: a, source: s, paper: p, run: one, than: two, signal: arm.energy}\n")
+        self.ends(0, "run", "arm.yaml", *SHORT, "--check")
+        self.refuses("arm.yaml: claim 'a': p of 3 repetitions is never below 0.1, and alpha is 0.05; "
+                     "give --repeat 4 or more",
+                     "run", "arm.yaml", *SHORT, "--check", "--repeat", "3")
+
     def test_gives_every_experiment_a_folder(self):
         share = self.folder / "share"
         for name in ("one", "two"):
