@@ -30,6 +30,7 @@ PerJoint Fused(int ticks, External impulse, Sensed sensed) {
   BlockTester<ComplementaryFusion> fusion(Options());
   RobotDynamics d;
   d.p = JointMomentum::Zero(kJoints);
+  d.v = JointVelocity::Zero(kJoints);
   d.coriolis_transposed = d.gravity = JointTorque::Zero(kJoints);
   for (int k = 0; k < ticks; ++k) {
     d.p = PerJoint::Constant(2, impulse(k * kPeriod));
