@@ -96,10 +96,18 @@ PoseCircle::Options InWorld(const Pose& start, PoseCircle::Options o) {
   return o;
 }
 
-PoseWaypoints BlockOf(const PoseWaypoints::Options&);
-PoseTable BlockOf(const PoseTable::Options&);
-PoseSwing BlockOf(const PoseSwing::Options&);
-PoseCircle BlockOf(const PoseCircle::Options&);
+/// The block of options: the class they are nested in.
+template <class Block, class... Blocks>
+struct BlockOf {
+  template <class Options>
+  using type = std::conditional_t<std::is_same_v<Options, typename Block::Options>, Block,
+                                  typename BlockOf<Blocks...>::template type<Options>>;
+};
+template <class Block>
+struct BlockOf<Block> {
+  template <class Options>
+  using type = Block;
+};
 
 PairNames PairsOf(const ComplianceControl::Options& o) {
   if (!o.collisions) return {};
@@ -271,8 +279,9 @@ ComplianceControl::ComplianceControl(const Options& o)
   if (o.reference) {
     PoseReference& reference = std::visit(
         [&]<class Options>(const Options& options) -> PoseReference& {
-          return Add<decltype(BlockOf(options))>("reference_pose",
-                                                 InWorld(start.frame[0].pose, options));
+          using Reference = typename BlockOf<PoseWaypoints, PoseTable, PoseSwing,
+                                             PoseCircle>::template type<Options>;
+          return Add<Reference>("reference_pose", InWorld(start.frame[0].pose, options));
         },
         *o.reference);
     Connect(reference.pose, pose.target);
