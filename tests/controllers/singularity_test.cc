@@ -125,10 +125,10 @@ TEST(PoseTask, StaysBoundedBeyondTheReachOfTheArmAndComesBack) {
 
 TEST(PoseTask, StaysBoundedThroughTheWristSingularityAndComesOut) {
   const RobotModel m = Gen3();
-  const JointPosition before{0.2, 0.5, 0.1, -1.5, 0.3, -0.5, 0.2};
+  // With axes 5 and 7 in line a redundant arm is singular if joint 5 stands at a quarter turn too.
+  const JointPosition before{0.2, 0.5, 0.1, -1.5, 1.5708, -0.4, 0.2};
   JointPosition behind = before;
-  behind(4) += 0.4;
-  behind(5) = 0.5;
+  behind(5) = 0.4;
   Loop loop(before, {{0.2, ToolAt(m, before)}, {2, ToolAt(m, behind)}, {4, ToolAt(m, before)}});
   loop.RunTo(4);
   EXPECT_LT(loop.nearest, 0.1) << "it was to be near the singularity";
