@@ -58,16 +58,16 @@ PairDistances CollisionDamper::Measure(const RobotDynamics& d) const {
 void CollisionDamper::Bound(AccelerationRows& out, const RobotDynamics& d) const {
   CollisionGeometry::Placement placement;
   geometry_.Place(d, placement);
-  struct Sphere {
-    Vector3d velocity;  // of the centre
-    double radius, spin;
-  };
-  std::array<Sphere, 2 * kMaxCollisionPairs> sphere;
+  // What least_distance ≥ d_s + (A + λ v)/k asks of the centres of two parts is a sum of theirs.
+  const double k = -damper_.Least(1, 0), lambda = -damper_.Least(0, 1);
+  std::array<double, 2 * kMaxCollisionPairs> reach;
   for (std::size_t i = 0; i < geometry_.parts().size(); ++i) {
     const CollisionGeometry::Part& part = geometry_.parts()[i];
-    const BodyMotion& B = MotionOfBody(d, part.body);
-    sphere[i] = {VelocityAt(B, placement[i].center), part.shape.extent + part.shape.radius,
-                 B.omega.norm() * part.shape.extent};
+    reach[i] = part.shape.extent + part.shape.radius + 0.5 * (d_s_ + delta_ + A_ / k);
+    if (part.body < 0) continue;
+    const BodyMotion& B = d.body[At(part.body)];
+    reach[i] += lambda / k *
+                (VelocityAt(B, placement[i].center).norm() + B.omega.norm() * part.shape.extent);
   }
 
   out.A.setZero();
@@ -76,10 +76,8 @@ void CollisionDamper::Bound(AccelerationRows& out, const RobotDynamics& d) const
   for (int i = 0; i < geometry_.size(); ++i) {
     const CollisionGeometry::Pair& pair = geometry_.pairs()[At(i)];
     const PlacedShape &a = placement[At(pair.a)], &b = placement[At(pair.b)];
-    const Sphere &of_a = sphere[At(pair.a)], &of_b = sphere[At(pair.b)];
-    const double least_distance = (a.center - b.center).norm() - of_a.radius - of_b.radius - delta_;
-    const double closing = (of_a.velocity - of_b.velocity).norm() + of_a.spin + of_b.spin;
-    if (damper_.Least(least_distance - d_s_, -closing) <= -A_) continue;
+    const double both = reach[At(pair.a)] + reach[At(pair.b)];
+    if ((a.center - b.center).squaredNorm() >= both * both) continue;
 
     const Proximity p = Closest(a, b, delta_);
     int body_a = geometry_.part(pair.a).body, body_b = geometry_.part(pair.b).body;

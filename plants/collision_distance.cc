@@ -18,8 +18,9 @@ std::size_t At(int i) { return static_cast<std::size_t>(i); }
 constexpr double kTouching = 1e-7;
 /// Rounds of d = ‖z‖, where the softening of squares by δ d is that of distances by δ.
 constexpr int kRounds = 12;
-/// Relative change of d at which they end.
-constexpr double kSettled = 1e-10;
+/// Relative change of d at which they end. Of a change, about δ/d is left in the next round, and e
+/// is stationary in what is left.
+constexpr double kSettled = 1e-6;
 
 double Square(double x) { return x * x; }
 
@@ -40,7 +41,8 @@ Proximity ClosestOfSegments(const PlacedShape& A, const PlacedShape& B, double s
   const double ru = r.dot(u), rv = r.dot(v);
   const double delta = A.shape->extent > 0 && B.shape->extent > 0 ? softening : 0;
 
-  double d = r.norm(), s = 0, t = 0;
+  const double rr = r.squaredNorm();
+  double d = std::sqrt(rr), s = 0, t = 0;
   for (int round = 0; round < kRounds; ++round) {
     const double a = uu + delta * d, b = vv + delta * d;
     const double det = a * b - uv * uv;
@@ -52,16 +54,19 @@ Proximity ClosestOfSegments(const PlacedShape& A, const PlacedShape& B, double s
     } else if (det <= 1e-14 * a * b && a > 0) {
       s = std::clamp((uv * t - ru) / a, -1.0, 1.0);
     }
+    if (delta == 0) break;
     const double before = d;
-    d = (r + s * u - t * v).norm();
-    if (delta == 0 || std::abs(d - before) <= kSettled * d) break;
+    d = std::sqrt(std::max(0.0, rr + 2 * (s * ru - t * rv - s * t * uv) + s * s * uu + t * t * vv));
+    if (std::abs(d - before) <= kSettled * d) break;
   }
+  const Vector3d z = r + s * u - t * v;
+  d = z.norm();
 
   Proximity p;
   p.a = A.center + s * u;
   p.b = B.center + t * v;
   if (d > 1e-9) {
-    p.normal = (r + s * u - t * v) / d;
+    p.normal = z / d;
   } else {
     p.normal = NormalTo(u, v);
     if (p.normal.dot(r) < 0) p.normal = -p.normal;
@@ -225,16 +230,32 @@ class Parting {
  public:
   Parting(const PlacedShape& A, const PlacedShape& B, const Points& a, const Points& b)
       : a_{a}, b_{b}, r_{A.center - B.center} {
-    for (const PlacedShape* placed : {&A, &B})
-      for (const Vector3d& face : placed->shape->faces) Try(*placed->rotation * face);
+    for (const Vector3d& face : A.shape->faces)
+      if (const Vector3d n = *A.rotation * face; Try(n)) {
+        x_b = b_.at[At(b_.Furthest(normal))];
+        x_a = x_b - r_ - depth * normal;
+      }
+    for (const Vector3d& face : B.shape->faces)
+      if (const Vector3d n = *B.rotation * face; Try(n)) {
+        x_a = a_.at[At(a_.Furthest(-normal))];
+        x_b = x_a + r_ + depth * normal;
+      }
     ForEdges(A, [&](const Vector3d& of_a) {
       ForEdges(B, [&](const Vector3d& of_b) {
         const Vector3d across = of_a.cross(of_b);
-        if (const double sine = across.norm(); sine > 1e-9) Try(across / sine);
+        const double sine = across.norm();
+        if (sine < 1e-9 || !Try(across / sine)) return;
+        // Where the lines of the two edges are closest.
+        x_a = a_.at[At(a_.Furthest(-normal))];
+        x_b = b_.at[At(b_.Furthest(normal))];
+        const Vector3d z = r_ + x_a - x_b;
+        x_a -= z.cross(of_b).dot(across) / (sine * sine) * of_a;
+        x_b = x_a + r_ + depth * normal;
       });
     });
   }
 
+  Vector3d x_a = Vector3d::Zero(), x_b = Vector3d::Zero();  // about the centres
   double depth = std::numeric_limits<double>::infinity();
   Vector3d normal = Vector3d::UnitZ();
 
@@ -246,13 +267,15 @@ class Parting {
     else if (placed.shape->extent > 0)
       f(placed.half / placed.shape->extent);
   }
-  void Try(const Vector3d& n) {
+  /// Whether it is shorter along n, or against it, than all before.
+  bool Try(const Vector3d& n) {
     const double r = r_.dot(n);
     const double above = b_.at[At(b_.Furthest(n))].dot(n) - a_.at[At(a_.Furthest(-n))].dot(n) - r;
     const double below = a_.at[At(a_.Furthest(n))].dot(n) - b_.at[At(b_.Furthest(-n))].dot(n) + r;
-    if (std::min(above, below) >= depth) return;
+    if (std::min(above, below) >= depth) return false;
     depth = std::min(above, below);
     normal = above <= below ? n : Vector3d(-n);
+    return true;
   }
 
   const Points& a_;
@@ -273,8 +296,8 @@ Proximity ClosestOfPolytopes(const PlacedShape& A, const PlacedShape& B, double 
   if (!(d > kTouching)) {
     const Parting parting(A, B, a, b);
     p.normal = parting.normal;
-    p.a = A.center + a.at[At(a.Furthest(-parting.normal))];
-    p.b = p.a + parting.depth * parting.normal;
+    p.a = A.center + parting.x_a;
+    p.b = B.center + parting.x_b;
     p.distance = -parting.depth - delta - radii;
     return p;
   }

@@ -126,10 +126,18 @@ CollisionGeometry::CollisionGeometry(const RobotModel& model, const CollisionPai
 }
 
 void CollisionGeometry::Place(const RobotDynamics& d, Placement& placement) const {
-  static const BodyMotion world;
+  static const Eigen::Matrix3d upright = Eigen::Matrix3d::Identity();
   for (std::size_t i = 0; i < parts_.size(); ++i) {
-    const BodyMotion& body = parts_[i].body < 0 ? world : d.body[At(parts_[i].body)];
-    placement[i] = PlacedShape(parts_[i].shape, body.rotation, body.position);
+    const Part& part = parts_[i];
+    if (part.body >= 0) {
+      const BodyMotion& body = d.body[At(part.body)];
+      placement[i] = PlacedShape(part.shape, body.rotation, body.position);
+    } else {
+      placement[i].shape = &part.shape;
+      placement[i].rotation = &upright;
+      placement[i].center = part.shape.center;
+      placement[i].half = part.shape.half;
+    }
   }
 }
 
