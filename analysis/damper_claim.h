@@ -8,15 +8,23 @@
 
 namespace pliant {
 
-/// A joint comes to its bounds, those that its damper is to keep, from inside: its position to
-/// [q⁻ + d_s, q⁺ − d_s], which a continuous joint does not have, its speed to q̇⁺. In each of `runs`
-/// it keeps all of them, or, with `crossed`, it crosses both: true positions and velocities, from
-/// `from_s` on.
+/// Which bounds of a joint's damper are meant.
+enum class DamperBound { Position, Speed, Both };
+
+inline const std::vector<std::string>& Words(DamperBound) {
+  static const std::vector<std::string> words{"position", "speed", "both"};
+  return words;
+}
+
+/// In each of `runs` a joint keeps the bounds of its damper, or, with `crossed`, passes each of
+/// those meant: its position [q⁻ + d_s, q⁺ − d_s], which a continuous joint does not have, its
+/// speed q̇⁺. They are true positions and velocities, from `from_s` on.
 struct DamperClaim {
   static constexpr const char* kTag = "KeepsDamper";
   ClaimSource claim;
   std::vector<std::string> runs = {};
   std::string joint;
+  DamperBound bound = DamperBound::Both;
   bool crossed = false;
   double from_s = 0;
 
@@ -25,6 +33,7 @@ struct DamperClaim {
     claim.Parameters(f);
     f("runs", runs);
     f("joint", joint);
+    f("bound", bound);
     f("crossed", crossed);
     f("from_s", from_s, "s", kNotNegative);
   }
