@@ -121,8 +121,14 @@ class LeastNorm {
   void Solve(double eps_a, double eps_b) {
     eps_a_ = eps_a;
     eps_b_ = eps_b;
+    std::array<Corner, kMaxCorners> before = corner_;
+    int count = count_;
     for (int round = 0; round < kMaxRounds; ++round) {
-      if (!Descend()) return;
+      if (!Descend()) {  // the new corner is in the plane of the others, but for round-off
+        corner_ = before;
+        count_ = count;
+        return;
+      }
       Sum();
       const Vector3d pull_a = z + eps_a_ * y_a, pull_b = z - eps_b_ * y_b;
       const int i = a_.Furthest(-pull_a), k = b_.Furthest(pull_b);
@@ -130,7 +136,9 @@ class LeastNorm {
       const double least = pull_a.dot(a_.at[At(i)]) - pull_b.dot(b_.at[At(k)]) + z.dot(r_);
       const double size =
           r_.squaredNorm() + a_.at[At(i)].squaredNorm() + b_.at[At(k)].squaredNorm();
-      if (norm - least <= 1e-15 * size || count_ == kMaxCorners || Has(i, k)) return;
+      if (norm - least <= 5e-15 * size || count_ == kMaxCorners || Has(i, k)) return;
+      before = corner_;
+      count = count_;
       Add(i, k, 0);
     }
   }
@@ -185,10 +193,7 @@ class LeastNorm {
       if (!(scale > 0)) return false;
       G.array() += scale;
       const Eigen::LLT<Matrix> cholesky(G);
-      if (cholesky.info() != Eigen::Success) {
-        Drop(count_ - 1);
-        return false;
-      }
+      if (cholesky.info() != Eigen::Success) return false;
       Vector y = cholesky.solve(Vector::Ones(count_));
       y /= y.sum();
       if (!y.allFinite()) return false;
