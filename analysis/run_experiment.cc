@@ -210,6 +210,8 @@ std::string EstimatorOf(const ComplianceControl::Options& c) {
       return "momentum observer and wrist sensor, complementary, " + gain;
     case TorqueEstimate::SuperTwistingFusion:
       return "wrist sensor and super-twisting observer, " + rate;
+    case TorqueEstimate::Sensor:
+      return "wrist sensor";
     case TorqueEstimate::Zero:
       break;
   }

@@ -11,6 +11,8 @@ ForceLimit::ForceLimit(const Options& o)
       o_{o},
       link_{o.model.link_index(o.frame)} {
   RequireInRange("", o);
+  Require(o.contact_from < o.force, "contact_from must be below force, " + Text(o.force) + " N",
+          o.contact_from);
   Compute(rows).From(dynamics, contact).As(&ForceLimit::Limit);
 }
 
@@ -18,7 +20,7 @@ void ForceLimit::Limit(AccelerationRows& out, const RobotDynamics& d, const Wren
   const FrameDynamics at = PointDynamics(o_.model, d, link_, {0, 0, 0});
   const Eigen::Vector3d F = at.pose.rotation * W.tail<3>();
   const double size = F.norm();
-  if (size == 0) {
+  if (!(size >= o_.contact_from)) {
     out.A.setZero();
     out.lower(0) = -std::numeric_limits<double>::infinity();
     return;

@@ -15,9 +15,10 @@ namespace pliant {
 ///
 ///   e = (F⁺ − ‖F‖)/k,   ė = uᵀ v,   ë = uᵀ (J q̈ + J̇ q̇) ≥ −λ ė − λ²/(4M²) e
 ///
-/// One row: no bound where F is 0. A push on an arm that rests beyond F⁺ makes it give way. On a
-/// spring of k_s the loop is s² + λ s + λ²/(4M²) k_s/k, without overshoot for k_s ≤ M² k: k is to
-/// be no less than the stiffest thing to be touched, over M².
+/// One row, without a bound while ‖F‖ < F₀: what a sensor shows of its noise and of a tool that
+/// moves is no contact, and has no direction. A push on an arm that rests beyond F⁺ makes it give
+/// way. On a spring of k_s the loop is s² + λ s + λ²/(4M²) k_s/k, without overshoot for k_s ≤ M² k:
+/// k is to be no less than the stiffest thing to be touched, over M².
 ///
 /// Source: named as future work by Celerier et al. 2025; the damper is their (24).
 class ForceLimit final : public Block {
@@ -27,6 +28,7 @@ class ForceLimit final : public Block {
     std::string frame;              ///< link in whose frame the wrench is; it acts at its origin
     double force = kToBeGiven;      ///< F⁺ [N], > 0
     double stiffness = kToBeGiven;  ///< k [N/m], > 0
+    double contact_from = 5;        ///< F₀ [N], > 0, below F⁺
     VelocityDamper damper = {};
     int priority = 5;
 
@@ -35,6 +37,7 @@ class ForceLimit final : public Block {
       f("frame", frame);
       f("force", force, "N", kPositive);
       f("stiffness", stiffness, "N/m", kPositive);
+      f("contact_from", contact_from, "N", kPositive);
       f("damper", damper);
       f("priority", priority, "", Between(1, 100));
     }

@@ -21,10 +21,12 @@ ExternalTorqueEstimate::ExternalTorqueEstimate(const Options& o)
   const Joints& joints = o.model.joints();
   const PerJoint gain = PerJoint::Constant(o.model.size(), o.gain);
   const PerJoint rate = PerJoint::Constant(o.model.size(), o.rate);
-  const bool fuses = o.estimate == Fusion || o.estimate == SuperTwistingFusion;
-  Require(!fuses || o.wrist, "estimate " + Words(o.estimate)[static_cast<std::size_t>(o.estimate)] +
-                                 " needs a wrist sensor; expected a robot that has one, such as "
-                                 "gen3_bota, or the estimate observer");
+  const bool needs_wrist =
+      o.estimate == Fusion || o.estimate == SuperTwistingFusion || o.estimate == Sensor;
+  Require(!needs_wrist || o.wrist,
+          "estimate " + Words(o.estimate)[static_cast<std::size_t>(o.estimate)] +
+              " needs a wrist sensor; expected a robot that has one, such as "
+              "gen3_bota, or the estimate observer");
 
   WristTorque* wrist = nullptr;
   if (o.wrist) {
@@ -75,6 +77,8 @@ ExternalTorqueEstimate::ExternalTorqueEstimate(const Options& o)
     Connect(true_torque, external_torque);
   } else if (o.estimate == Observer) {
     Connect(observer.residual, external_torque);
+  } else if (o.estimate == Sensor) {
+    Connect(wrist->torque, external_torque);
   } else if (o.estimate == Zero) {
     auto& none =
         Add<Constant<JointTorque>>("none", {.space = joints, .value = JointTorque::Zero(joints)});

@@ -18,12 +18,13 @@ enum class TorqueEstimate {
   SuperTwisting,        ///< sliding-mode momentum observer
   Fusion,               ///< momentum observer and wrist sensor, complementary
   SuperTwistingFusion,  ///< wrist sensor, and a sliding mode for the rest
+  Sensor,               ///< wrist sensor alone: for arms that do not sense their joints' torques
   Zero,                 ///< nowhere: it is taken for 0
 };
 
 inline const std::vector<std::string>& Words(TorqueEstimate) {
   static const std::vector<std::string> words{
-      "true", "observer", "super_twisting", "fusion", "super_twisting_fusion", "zero"};
+      "true", "observer", "super_twisting", "fusion", "super_twisting_fusion", "sensor", "zero"};
   return words;
 }
 

@@ -34,7 +34,7 @@ TEST(ForceLimit, BoundsTheMotionAlongTheForceAsTheDamperDoes) {
     const RobotDynamics d = At(m, random.q(), random.v());
     const FrameDynamics at = PointDynamics(m, d, m.link_index("tool_frame"), {0, 0, 0});
     t.Set(t->dynamics, d);
-    const double force = 30 * std::abs(random.Uniform(1)(0));
+    const double force = 5 + 30 * std::abs(random.Uniform(1)(0));
     t.Set(t->contact, Upwards(m, d, force));
     const AccelerationRows& rows = t.Get(t->rows);
     const double e = (15 - force) / 2000, edot = at.twist(5);
@@ -51,8 +51,12 @@ TEST(ForceLimit, HasNoBoundWhereNothingTouches) {
   BlockTester<ForceLimit> t(
       ForceLimit::Options{.model = m, .frame = "tool_frame", .force = 15, .stiffness = 2000});
   t.Set(t->dynamics, At(m, random.q(), random.v()));
-  t.Set(t->contact, Wrench());
-  EXPECT_EQ(t.Get(t->rows).lower(0), -HUGE_VAL);
+  for (const double noise : {0.0, 4.9}) {
+    Wrench W;
+    W << 0, 0, 0, noise, 0, 0;
+    t.Set(t->contact, W);
+    EXPECT_EQ(t.Get(t->rows).lower(0), -HUGE_VAL);
+  }
 }
 
 /// A point that is driven into a spring as hard as the row allows, sampled and held at 1 kHz.
@@ -82,8 +86,10 @@ TEST(ForceLimit, RefusesForcesAndStiffnessesThatAreNone) {
   const auto error = [&](ForceLimit::Options o) { return ErrorOf([&] { ForceLimit limit(o); }); };
   EXPECT_EQ(error({.model = m, .frame = "tool_frame", .force = 0, .stiffness = 1}),
             "force must be > 0 N, got 0");
-  EXPECT_EQ(error({.model = m, .frame = "tool_frame", .force = 1, .stiffness = 0}),
+  EXPECT_EQ(error({.model = m, .frame = "tool_frame", .force = 9, .stiffness = 0}),
             "stiffness must be > 0 N/m, got 0");
+  EXPECT_EQ(error({.model = m, .frame = "tool_frame", .force = 5, .stiffness = 1}),
+            "contact_from must be below force, 5 N, got 5");
 }
 
 }  // namespace
