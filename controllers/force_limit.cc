@@ -2,6 +2,8 @@
 
 #include <limits>
 
+#include "pliant/systems/elements.h"
+
 namespace pliant {
 
 ForceLimit::ForceLimit(const Options& o)
@@ -13,12 +15,17 @@ ForceLimit::ForceLimit(const Options& o)
   RequireInRange("", o);
   Require(o.contact_from < o.force, "contact_from must be below force, " + Text(o.force) + " N",
           o.contact_from);
+  if (o.direction) {
+    RequireEachInRange("direction", *o.direction, "", kAnyNumber);
+    RequireInRange("", "the length of direction", o.direction->norm(), "", kPositive);
+  }
   Compute(rows).From(dynamics, contact).As(&ForceLimit::Limit);
 }
 
 void ForceLimit::Limit(AccelerationRows& out, const RobotDynamics& d, const Wrench& W) const {
   const FrameDynamics at = PointDynamics(o_.model, d, link_, {0, 0, 0});
-  const Eigen::Vector3d F = at.pose.rotation * W.tail<3>();
+  Eigen::Vector3d F = at.pose.rotation * W.tail<3>();
+  if (o_.direction) F = F.dot(*o_.direction) / o_.direction->squaredNorm() * *o_.direction;
   const double size = F.norm();
   if (!(size >= o_.contact_from)) {
     out.A.setZero();

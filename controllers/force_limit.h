@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "pliant/controllers/objective.h"
@@ -20,6 +21,9 @@ namespace pliant {
 /// way. On a spring of k_s the loop is s² + λ s + λ²/(4M²) k_s/k, without overshoot for k_s ≤ M² k:
 /// k is to be no less than the stiffest thing to be touched, over M².
 ///
+/// With a direction n only the part of F along it counts, ‖F‖ = |nᵀF|, u = ± n. Friction of what is
+/// touched turns F as the link slides, and a row that turns with it lets the task press harder.
+///
 /// Source: named as future work by Celerier et al. 2025; the damper is their (24).
 class ForceLimit final : public Block {
  public:
@@ -28,7 +32,8 @@ class ForceLimit final : public Block {
     std::string frame;              ///< link in whose frame the wrench is; it acts at its origin
     double force = kToBeGiven;      ///< F⁺ [N], > 0
     double stiffness = kToBeGiven;  ///< k [N/m], > 0
-    double contact_from = 5;        ///< F₀ [N], > 0, below F⁺
+    std::optional<Eigen::Vector3d> direction = {};  ///< n, world axes, of any length > 0
+    double contact_from = 5;                        ///< F₀ [N], > 0, below F⁺
     VelocityDamper damper = {};
     int priority = 5;
 
@@ -37,6 +42,7 @@ class ForceLimit final : public Block {
       f("frame", frame);
       f("force", force, "N", kPositive);
       f("stiffness", stiffness, "N/m", kPositive);
+      f("direction", direction);
       f("contact_from", contact_from, "N", kPositive);
       f("damper", damper);
       f("priority", priority, "", Between(1, 100));

@@ -45,6 +45,29 @@ TEST(ForceLimit, BoundsTheMotionAlongTheForceAsTheDamperDoes) {
   }
 }
 
+TEST(ForceLimit, CountsThePartAlongADirectionOnly) {
+  const RobotModel m = Gen3();
+  RandomStates random(m, 58);
+  ForceLimit::Options o{.model = m, .frame = "tool_frame", .force = 15, .stiffness = 2000};
+  BlockTester<ForceLimit> whole(o);
+  o.direction = Eigen::Vector3d(0, 0, -2);
+  BlockTester<ForceLimit> part(o);
+  for (int k = 0; k < 100; ++k) {
+    const RobotDynamics d = At(m, random.q(), random.v());
+    const Wrench normal = Upwards(m, d, 12);
+    Wrench slides = normal;
+    const Pose X = LinkPose(m, d, m.link_index("tool_frame"));
+    slides.tail<3>() += X.rotation.transpose() * Eigen::Vector3d(4, -7, 0);
+    whole.Set(whole->dynamics, d);
+    whole.Set(whole->contact, normal);
+    part.Set(part->dynamics, d);
+    part.Set(part->contact, slides);
+    const AccelerationRows &a = whole.Get(whole->rows), &b = part.Get(part->rows);
+    EXPECT_NEAR(a.lower(0), b.lower(0), 1e-10 * (1 + std::abs(a.lower(0))));
+    EXPECT_LT((a.A - b.A).cwiseAbs().maxCoeff(), 1e-12);
+  }
+}
+
 TEST(ForceLimit, HasNoBoundWhereNothingTouches) {
   const RobotModel m = Gen3();
   RandomStates random(m, 57);
@@ -90,6 +113,12 @@ TEST(ForceLimit, RefusesForcesAndStiffnessesThatAreNone) {
             "stiffness must be > 0 N/m, got 0");
   EXPECT_EQ(error({.model = m, .frame = "tool_frame", .force = 5, .stiffness = 1}),
             "contact_from must be below force, 5 N, got 5");
+  EXPECT_EQ(error({.model = m,
+                   .frame = "tool_frame",
+                   .force = 9,
+                   .stiffness = 1,
+                   .direction = Eigen::Vector3d(0, 0, 0)}),
+            "the length of direction must be > 0, got 0");
 }
 
 }  // namespace
