@@ -40,8 +40,8 @@ struct RunOf {
 /// all of them, `Judge` makes it of the numbers `Wanted`. What must be so before a run is made:
 /// `RequireFit` of a run's scenario, `RequireSound` of what it will record, `RequireRepetitions`.
 using ClaimCheck =
-    std::variant<DamperClaim, MovesAlong, KeepsDoor, StandsStill, HoldsTool, YieldsAsInertia,
-                 KeepsLimits, BoundClaim, OrderClaim, DifferenceClaim, EquivalenceClaim>;
+    std::variant<StandsStill, HoldsTool, YieldsAsInertia, KeepsLimits, DamperClaim, MovesAlong,
+                 KeepsDoor, BoundClaim, OrderClaim, DifferenceClaim, EquivalenceClaim>;
 /// `Draw` makes the figure of the first repetition's runs, or of the numbers `Wanted` in each.
 using FigureOf = std::variant<VelocityFigure, PredictionFigure, LimitFigure, SignalFigure,
                               PhaseFigure, PathFigure, BarFigure>;

@@ -31,9 +31,9 @@ TEST(ExperimentFile, HasAScenarioForEachRun) {
   const auto control = [&](std::size_t run) {
     return std::get<ComplianceControl::Options>(file.scenarios[run].controller);
   };
-  EXPECT_EQ(control(0).pose.compliance, 0);
-  EXPECT_EQ(control(1).pose.compliance, 1);
-  EXPECT_EQ(control(1).posture.compliance, 1);
+  EXPECT_EQ(control(0).pose.compliance.size(), 0);
+  EXPECT_EQ(control(1).pose.compliance, TaskMatrix::Constant(1, 1, 1));
+  EXPECT_EQ(control(1).posture.compliance, JointMatrix::Constant(1, 1, 1));
   for (const std::size_t run : {0, 1}) EXPECT_EQ(control(run).observer_gain, 20);
 }
 

@@ -9,7 +9,7 @@ import time
 import command
 from command import SHORT, InFolder, main
 
-KEYS = ("title, summary, robot, station, model_error, controller, schedule, environment, integrator, "
+KEYS = ("title, summary, robot, station, payload, model_error, controller, schedule, environment, integrator, "
         "duration_s, seed, log_period, repeat, runs, claims, figures")
 CLAIM = """
 claims:
@@ -121,8 +121,8 @@ class ScenarioFile(InFolder):
                    "arm.yaml: claim 'a': there is no run 'rn'; did you mean 'run'?")
         self.check(self.scenario + CLAIM.format(tag="HoldTool", run="run"),
                    "arm.yaml:12:5: there is no !HoldTool here; did you mean 'HoldsTool'?\n"
-                   "  known: !StandsStill, !HoldsTool, !YieldsAsInertia, !KeepsLimits, !Bound, !Order, !Differs, "
-                   "!Equivalent")
+                   "  known: !StandsStill, !HoldsTool, !YieldsAsInertia, !KeepsLimits, !KeepsDamper, !MovesAlong, "
+                   "!KeepsDoor, !Bound, !Order, !Differs, !Equivalent")
         for name in ("a/b", "..", "a b", "é"):
             self.check(f"{self.scenario}runs:\n  - {{name: {name}, title: t}}\n",
                        "arm.yaml: the name of a run, which names its log, has letters, digits, '_' and '-', "

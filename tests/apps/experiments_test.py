@@ -1,0 +1,81 @@
+#!/usr/bin/env python3
+"""The experiments on the papers, and the table of what they measured in docs/experiments.md.
+
+    experiments_test.py PLIANT ROOT            runs them and holds the verdicts against the table
+    experiments_test.py PLIANT ROOT --write    writes the table
+
+What runs for minutes is run by its own name only:
+
+    experiments_test.py PLIANT ROOT [--write] NAME …
+"""
+
+import json
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+LONG = ("ec-fig5",)
+HEAD = "| claim | paper | measured | verdict |\n|---|---|---|---|\n"
+
+
+def run(pliant, name):
+    """The title of an experiment and its claims."""
+    with tempfile.TemporaryDirectory() as out:
+        ended = subprocess.run([pliant, "experiment", "run", name, "--out", out, "--jobs", "2", "--force"],
+                               capture_output=True, text=True)
+        if ended.returncode != 0:
+            sys.exit(f"{name}: exit code {ended.returncode}\n{ended.stderr}")
+        return json.loads((pathlib.Path(out) / "verdict.json").read_text())["claims"]
+
+
+def row(claim):
+    cells = [claim["id"], f'{claim["paper"]} ({claim["source"]})', claim["measured"],
+             "holds" if claim["holds"] else "**fails**"]
+    return "| " + " | ".join(cell.replace("|", "\\|").replace("\n", " ") for cell in cells) + " |\n"
+
+
+def section(text, name):
+    """Where the table of an experiment begins and ends."""
+    begin = text.find(f"<!-- measured: {name} -->\n")
+    if begin < 0:
+        sys.exit(f"docs/experiments.md: there is no <!-- measured: {name} -->")
+    begin = text.index("\n", begin) + 1
+    return begin, text.index("<!-- end -->", begin)
+
+
+def main(pliant, root, *words):
+    write = "--write" in words
+    document = pathlib.Path(root) / "docs" / "experiments.md"
+    text = document.read_text()
+    named = re.findall(r"<!-- measured: (.*) -->", text)
+    files = sorted(p.stem for p in (pathlib.Path(root) / "experiments").glob("*.yaml"))
+    missing = [name for name in files if name not in named]
+    if missing:
+        sys.exit(f"docs/experiments.md lacks {', '.join(missing)}")
+    names = [w for w in words if w != "--write"] or [n for n in named if n not in LONG]
+    wrong = []
+    for name in names:
+        claims = run(pliant, name)
+        begin, end = section(text, name)
+        if write:
+            text = text[:begin] + "\n" + HEAD + "".join(map(row, claims)) + "\n" + text[end:]
+            continue
+        stated = {}
+        for line in text[begin:end].splitlines():
+            cells = [cell.strip() for cell in line.strip("|").split(" | ")]
+            if len(cells) == 4 and cells[0] not in ("claim", "---|---|---|---"):
+                stated[cells[0]] = cells[3] == "holds"
+        found = {claim["id"]: claim["holds"] for claim in claims}
+        if stated != found:
+            wrong.append(f"{name}: docs/experiments.md says {stated}, measured {found}")
+        else:
+            print(f"{name}: {len(found)} claims as the table says")
+    if write:
+        document.write_text(text)
+    if wrong:
+        sys.exit("\n".join(wrong))
+
+
+main(*sys.argv[1:])
