@@ -143,9 +143,10 @@ const Measured& At(const std::vector<Measured>& all, int k) {
 }
 
 std::vector<RobotDynamics> SwayDynamics(const RobotModel& m) {
+  const std::vector<Measured> sway = Sway(m);
   std::vector<RobotDynamics> all;
   for (int k = 0; k < 100; ++k) {
-    const Measured now = At(Sway(m), 10 * k);
+    const Measured& now = At(sway, 10 * k);
     RobotDynamics d(m);
     ComputeDynamics(m, now.q, now.v, d);
     all.push_back(d);
