@@ -19,31 +19,47 @@ PerJoint Clamped(const PerJoint& x, const PerJoint& limit) {
   return x.binaryExpr(limit, [](double a, double b) { return kSmaller(kLarger(a, -b), b); });
 }
 
-/// H += w Aᵀ A, lower triangle, and g −= w Aᵀ b, for a term of `Rows` rows.
+/// H += w Aᵀ A, lower triangle, and g −= w Aᵀ b, for a term of `Rows` rows: a position, a pose.
+/// Joints that do not move its frame are left out.
 template <int Rows>
-void Add(const Objective& term, QpProblem& qp) {
-  using Matrix = Eigen::Matrix<double, Rows, Eigen::Dynamic, Eigen::ColMajor,
-                               Rows == Eigen::Dynamic ? Objective::kMaxRows : Rows, kMaxJoints>;
-  const Eigen::Map<const Matrix> A(term.A.data(), term.A.rows(), term.A.cols());
-  const Eigen::Map<const Eigen::Matrix<double, Rows, 1>> b(term.b.data(), term.b.size());
-  for (Eigen::Index j = 0; j < A.cols(); ++j) {
-    for (Eigen::Index i = j; i < A.cols(); ++i) qp.H(i, j) += term.weight * A.col(i).dot(A.col(j));
-    qp.g(j) -= term.weight * A.col(j).dot(b);
+void AddRows(const Objective& term, QpProblem& qp) {
+  const Eigen::Map<const Eigen::Matrix<double, Rows, Eigen::Dynamic>> A(term.A.data(), Rows,
+                                                                        term.A.cols());
+  const Eigen::Map<const Eigen::Matrix<double, Rows, 1>> b(term.b.data());
+  std::array<int, kMaxJoints> joint;
+  int count = 0;
+  for (int j = 0; j < A.cols(); ++j)
+    if (!(A.col(j).squaredNorm() == 0)) joint[count++] = j;
+  for (int q = 0; q < count; ++q) {
+    const int j = joint[q];
+    const Eigen::Matrix<double, Rows, 1> a = term.weight * A.col(j);
+    qp.g(j) -= a.dot(b);
+    for (int p = q; p < count; ++p) qp.H(joint[p], j) += a.dot(A.col(joint[p]));
   }
 }
 
-// The compiler knows the usual sizes: a position, a pose, seven joints.
-void Add(const Objective& term, QpProblem& qp) {
-  switch (term.b.size()) {
-    case 3:
-      return Add<3>(term, qp);
-    case 6:
-      return Add<6>(term, qp);
-    case 7:
-      return Add<7>(term, qp);
-    default:
-      return Add<Eigen::Dynamic>(term, qp);
+/// The same for any term, row by row without its zeros: of a posture each row is about one joint.
+void AddSparseRows(const Objective& term, QpProblem& qp) {
+  std::array<int, kMaxJoints> joint;
+  for (int k = 0; k < term.A.rows(); ++k) {
+    int count = 0;
+    for (int j = 0; j < term.A.cols(); ++j) {
+      joint[count] = j;
+      count += !(term.A(k, j) == 0);
+    }
+    for (int q = 0; q < count; ++q) {
+      const int j = joint[q];
+      const double a = term.weight * term.A(k, j);
+      qp.g(j) -= a * term.b(k);
+      for (int p = q; p < count; ++p) qp.H(joint[p], j) += a * term.A(k, joint[p]);
+    }
   }
+}
+
+void Add(const Objective& term, QpProblem& qp) {
+  if (term.A.rows() == 6) return AddRows<6>(term, qp);
+  if (term.A.rows() == 3) return AddRows<3>(term, qp);
+  AddSparseRows(term, qp);
 }
 
 /// Of the limits on q̈: j < n is the bound of joint j, from n on j is a row.
@@ -166,9 +182,13 @@ void ComplianceQp::Solve(Solution& out, const Solution& last, Workspace& w, cons
   r.iterations = complete ? w.solution.iterations : 0;
   QpStatus status = r.status;
   const bool contradict = status == QpStatus::Infeasible || status == QpStatus::IterationLimit;
-  const AccelerationRows::Vector lower = qp.lower.tail(rows_), upper = qp.upper.tail(rows_);
-  const PerJoint x_lower = qp.x_lower, x_upper = qp.x_upper;
+  AccelerationRows::Vector lower, upper;  // as they were asked for
+  PerJoint x_lower, x_upper;
   if (contradict) {
+    lower = qp.lower.tail(rows_);
+    upper = qp.upper.tail(rows_);
+    x_lower = qp.x_lower;
+    x_upper = qp.x_upper;
     r.outcome = Outcome::Relaxed;
     out.active.clear();
     w.feasible.resize(0);

@@ -257,6 +257,12 @@ TaskVector FrameTask::AccelerationBy(const TaskMatrix& Y, const RobotDynamics& d
   K.topLeftCorner(rows_, rows_) = root.transpose().lazyProduct(root);
   Vector6 x = Vector6::Zero();
   x.head(rows_) = pushed;
+  // K − k₀ 1 has a factorization if no eigenvalue is below k₀; then Λ is exact.
+  const Eigen::Matrix<double, 6, 6> margin = K - k0_ * Eigen::Matrix<double, 6, 6>::Identity();
+  if (margin.llt().info() == Eigen::Success) {
+    const Vector6 force = K.llt().solve(x);
+    return Y.lazyProduct(force.head(rows_));
+  }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> eigen(K);
   const auto inverse = [this](double k) {
     return k >= k0_ ? 1 / k : (2 * k0_ - std::max(k, 0.0)) / (k0_ * k0_);

@@ -1,6 +1,5 @@
 #include "pliant/plants/collision_distance.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
@@ -148,18 +147,31 @@ class LeastNorm {
  private:
   static constexpr int kMaxCorners = 7;  // of a simplex in six dimensions
   static constexpr int kMaxRounds = 100;
-  using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxCorners,
-                               kMaxCorners>;
-  using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxCorners, 1>;
+  using Column = std::array<double, kMaxCorners>;
+  using Square = std::array<Column, kMaxCorners>;
 
+  /// Scalar products of two corners' parts.
+  struct Products {
+    double z, a, b;
+  };
   struct Corner {
     int a, b;
     Vector3d z;
     double weight;
+    std::array<Products, kMaxCorners> with;  // the corners before it, and itself
   };
 
   void Add(int i, int k, double weight) {
-    corner_[At(count_++)] = {i, k, r_ + a_.at[At(i)] - b_.at[At(k)], weight};
+    const Vector3d &a = a_.at[At(i)], &b = b_.at[At(k)];
+    Corner& added = corner_[At(count_++)];
+    added.a = i;
+    added.b = k;
+    added.z = r_ + a - b;
+    added.weight = weight;
+    for (int j = 0; j < count_; ++j) {
+      const Corner& c = corner_[At(j)];
+      added.with[At(j)] = {added.z.dot(c.z), a.dot(a_.at[At(c.a)]), b.dot(b_.at[At(c.b)])};
+    }
   }
   bool Has(int i, int k) const {
     return std::any_of(corner_.begin(), corner_.begin() + count_,
@@ -174,48 +186,81 @@ class LeastNorm {
     }
     z = r_ + y_a - y_b;
   }
-  double Product(const Corner& c, const Corner& e) const {
-    return c.z.dot(e.z) + eps_a_ * a_.at[At(c.a)].dot(a_.at[At(e.a)]) +
-           eps_b_ * b_.at[At(c.b)].dot(b_.at[At(e.b)]);
+
+  /// y with G y = 1, and L with G = L Lᵀ in the place of G. False if G is not positive definite. By
+  /// hand: for matrices of this size Eigen's factorization takes twice as long.
+  static bool SolveOnes(Square& G, int n, Column& y) {
+    Column inverse;  // of the diagonal of L
+    for (std::size_t i = 0; i < At(n); ++i) {
+      double x = 1;
+      for (std::size_t k = 0; k <= i; ++k) {
+        double sum = G[i][k];
+        for (std::size_t j = 0; j < k; ++j) sum -= G[i][j] * G[k][j];
+        if (k < i) {
+          G[i][k] = sum * inverse[k];
+          x -= G[i][k] * y[k];
+        } else {
+          if (!(sum > 0)) return false;
+          inverse[i] = 1 / std::sqrt(sum);
+          y[i] = x * inverse[i];
+        }
+      }
+    }
+    for (std::size_t i = At(n); i-- > 0;) {
+      for (std::size_t k = i + 1; k < At(n); ++k) y[i] -= G[k][i] * y[k];
+      y[i] *= inverse[i];
+    }
+    return true;
   }
 
   /// To the least point of the plane through the corners, without the corners that are left on the
   /// way. False if they are so flat that no better point is to be had.
   bool Descend() {
     while (true) {
-      Matrix G = Matrix::Zero(count_, count_);
+      Square G;
+      Column y;
       double scale = 0;
-      for (int i = 0; i < count_; ++i) {
-        for (int k = 0; k <= i; ++k) G(i, k) = G(k, i) = Product(corner_[At(i)], corner_[At(k)]);
-        scale = std::max(scale, G(i, i));
+      for (std::size_t i = 0; i < At(count_); ++i) {
+        for (std::size_t k = 0; k <= i; ++k) {
+          const Products& of = corner_[i].with[k];
+          G[i][k] = of.z + eps_a_ * of.a + eps_b_ * of.b;
+        }
+        scale = std::max(scale, G[i][i]);
       }
       // With 1 1ᵀ added, scaled, it has full rank also where the plane goes through the origin.
       if (!(scale > 0)) return false;
-      G.array() += scale;
-      const Eigen::LLT<Matrix> cholesky(G);
-      if (cholesky.info() != Eigen::Success) return false;
-      Vector y = cholesky.solve(Vector::Ones(count_));
-      y /= y.sum();
-      if (!y.allFinite()) return false;
+      if (count_ == 1) return true;
+      for (std::size_t i = 0; i < At(count_); ++i)
+        for (std::size_t k = 0; k <= i; ++k) G[i][k] += scale;
+      if (!SolveOnes(G, count_, y)) return false;
+      double sum = 0;
+      for (int i = 0; i < count_; ++i) sum += y[At(i)];
+      for (int i = 0; i < count_; ++i) {
+        y[At(i)] /= sum;
+        if (!std::isfinite(y[At(i)])) return false;
+      }
       double step = 1;
       int out = -1;
       for (int i = 0; i < count_; ++i)
-        if (const double w = corner_[At(i)].weight; y(i) <= 0 && w / (w - y(i)) < step) {
-          step = w / (w - y(i));
+        if (const double w = corner_[At(i)].weight; y[At(i)] <= 0 && w / (w - y[At(i)]) < step) {
+          step = w / (w - y[At(i)]);
           out = i;
         }
       for (int i = 0; i < count_; ++i) {
         double& w = corner_[At(i)].weight;
-        w = std::max(0.0, w + step * (y(i) - w));
+        w = std::max(0.0, w + step * (y[At(i)] - w));
       }
-      if (out < 0 || count_ == 1) return true;
+      if (out < 0) return true;
       Drop(out);
     }
   }
   void Drop(int out) {
-    if (count_ == 1) return;
     std::copy(corner_.begin() + out + 1, corner_.begin() + count_, corner_.begin() + out);
     --count_;
+    for (int i = out; i < count_; ++i) {
+      std::array<Products, kMaxCorners>& with = corner_[At(i)].with;
+      std::copy(with.begin() + out + 1, with.begin() + i + 2, with.begin() + out);
+    }
     double sum = 0;
     for (int i = 0; i < count_; ++i) sum += corner_[At(i)].weight;
     for (int i = 0; i < count_; ++i)
