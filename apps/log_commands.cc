@@ -104,7 +104,7 @@ void AddLogCommands(CLI::App& app, std::vector<Command>& commands) {
     return command;
   };
   add(app, "replay", "Runs a part of the diagram on a log in the place of the arm, and compares",
-      "pliant replay out/logs/stiff.mcap --part control.observer", ReplayLog)
+      "pliant replay out/logs/stiff.mcap --part control.estimate.observer", ReplayLog)
       ->add_option("--part", told->part, "path of a block")
       ->capture_default_str();
 

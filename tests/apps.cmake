@@ -12,4 +12,17 @@ if(TARGET pliant)
              COMMAND Python3::Interpreter -B ${CMAKE_CURRENT_SOURCE_DIR}/apps/${name}_test.py $<TARGET_FILE:pliant>)
     set_tests_properties(apps/${name} PROPERTIES TIMEOUT 300)
   endforeach()
+
+  # Each experiment on the papers, held against the table of docs/experiments.md; what takes minutes
+  # has its command there.
+  file(GLOB experiments CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR}/experiments
+       ${PROJECT_SOURCE_DIR}/experiments/*.yaml)
+  list(TRANSFORM experiments REPLACE "\\.yaml$" "")
+  list(REMOVE_ITEM experiments ec-fig5)
+  foreach(name ${experiments})
+    add_test(NAME experiments/${name}
+             COMMAND Python3::Interpreter -B ${CMAKE_CURRENT_SOURCE_DIR}/apps/experiments_test.py
+                     $<TARGET_FILE:pliant> ${PROJECT_SOURCE_DIR} ${name})
+    set_tests_properties(experiments/${name} PROPERTIES TIMEOUT 600)
+  endforeach()
 endif()
