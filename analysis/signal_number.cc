@@ -11,6 +11,10 @@ namespace pliant {
 
 namespace {
 
+/// Two times that are as near as this are the same: of rows in nanoseconds and of numbers in a
+/// file.
+constexpr double kSameTime = 0.5e-9;
+
 std::vector<Eigen::Index> RowsOf(const SignalNumber& number, const RecordedSignal& signal) {
   std::vector<Eigen::Index> rows;
   for (const std::string& element : number.elements) rows.push_back(signal.row(element));
@@ -77,6 +81,11 @@ void SignalNumber::RequireFit(const Scenario& scenario) const {
   Require(!settles || band > 0, "settling_time wants a band > 0, in the signal's unit", band);
   Require(settles || band == 0, "band is of settling_time only", band);
   Require(settles || settles_at == SettlesAt::Zero, "settles_at is of settling_time only");
+  if (relative_to_s)
+    Require(*relative_to_s <= scenario.duration_s,
+            "relative_to_s must be <= duration_s, " + Text(scenario.duration_s), *relative_to_s);
+  Require(!relative_to_s || above_hz == 0,
+          "relative_to_s does not go with above_hz, which leaves no constant");
   const double most = 0.5 / seconds(LogPeriodOf(scenario));
   Require(above_hz < most,
           "above_hz must be < " + Text(most) + " Hz, half the rate of the log's rows", above_hz);
@@ -99,6 +108,7 @@ std::string SignalNumber::text(const RecordedSignal& recorded) const {
   const bool settles = statistic == Statistic::SettlingTime;  // of a vector, not of its norm
   std::string text = word + (is_norm(recorded) && !settles ? " norm of " : " of ") + signal +
                      (what.empty() ? "" : what + "]");
+  if (relative_to_s) text += " relative to " + WithUnit(*relative_to_s, "s");
   if (above_hz > 0) text += " above " + WithUnit(above_hz, "Hz");
   if (settles)
     text += " to within " + WithUnit(band, UnitOf(*this, recorded)) + " of " +
@@ -117,6 +127,14 @@ double SignalNumber::Of(const RunData& run) const {
   const std::vector<Eigen::Index> picked = RowsOf(*this, recorded);
   Series all = recorded.numbers(picked, Eigen::all);
   if (above_hz > 0) all = HighPass(all, above_hz, PeriodOf(recorded));
+  if (relative_to_s) {
+    // The row at that time, or the first after it.
+    const Eigen::Index at =
+        RowsBetween(recorded.times, *relative_to_s - kSameTime, kUnbounded).begin;
+    Require(at < all.cols(), "no row of " + signal + " lies at or after relative_to_s",
+            *relative_to_s);
+    all.colwise() -= all.col(at).eval();
+  }
   const Series y = all.middleCols(rows.begin, rows.size());
   const Eigen::VectorXd x = picked.size() > 1 ? Norms(y) : Eigen::VectorXd(y.row(0).transpose());
   switch (statistic) {

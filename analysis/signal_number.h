@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,14 +32,16 @@ inline const std::vector<std::string>& Words(SettlesAt) {
 ///   settling_time  T = min{t: ‖y(t′) − y_∞‖ ≤ band for all t′ ≥ t} − from_s
 ///
 /// where y are the elements, and y_∞ is zero, or their mean over the last tenth of that time. T is
-/// infinite if the last row is outside of the band. With above_hz it is a number of what of each
-/// element lies above that frequency, see HighPass, of the whole log before rows are taken; its rms
-/// is that of the band.
+/// infinite if the last row is outside of the band. With relative_to_s each element is taken less
+/// what it is at that time: what came of it since, such as a deflection of a position. With
+/// above_hz it is a number of what of each element lies above that frequency, see HighPass, of the
+/// whole log before rows are taken; its rms is that of the band.
 struct SignalNumber {
   std::string signal;                      ///< path, such as control.pose_error
   std::vector<std::string> elements = {};  ///< such as joint_1; none: all
   Statistic statistic = Statistic::Peak;
   double from_s = 0, to_s = kUnbounded;
+  std::optional<double> relative_to_s = {};
   double above_hz = 0;                     ///< 0: all of it
   double band = 0;                         ///< of settling_time, in the signal's unit, > 0
   SettlesAt settles_at = SettlesAt::Zero;  ///< of settling_time
@@ -50,6 +53,7 @@ struct SignalNumber {
     f("statistic", statistic);
     f("from_s", from_s, "s", kNotNegative);
     f("to_s", to_s, "s", kLimit);
+    f("relative_to_s", relative_to_s, "s", kNotNegative);
     f("above_hz", above_hz, "Hz", kNotNegative);
     f("band", band, "", kNotNegative);
     f("settles_at", settles_at);

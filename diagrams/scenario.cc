@@ -9,11 +9,16 @@
 #include "pliant/systems/constant.h"
 #include "pliant/systems/nearest_name.h"
 #include "pliant/systems/pulse.h"
+#include "pliant/systems/random.h"
 #include "pliant/systems/recorder.h"
 
 namespace pliant {
 
 namespace {
+
+/// What random numbers are for: other numbers than those of sensors and of models with errors, so
+/// that all may have one seed.
+enum Use : std::uint64_t { kScatter = 400 };
 
 /// An arm that comes with pliant.
 struct KnownArm {
@@ -144,6 +149,10 @@ SimulatedArm::Options StationOf(const Scenario& scenario) {
   const KnownArm& arm = ArmOf(scenario);
   StationOptions options = std::get<StationOptions>(scenario.station);
   if (options.position.size() == 0) options.position = arm.home;
+  const RandomStream scatter = RandomStream(scenario.seed).Part(kScatter);
+  for (Eigen::Index j = 0; j < options.position.size(); ++j)
+    options.position(j) +=
+        scenario.position_scatter * scatter.Normal(static_cast<std::uint64_t>(j));
   options.seed = scenario.seed;
   RobotModel model = ModelOf(scenario);
   if (scenario.payload) {

@@ -70,7 +70,8 @@ struct Scenario {
   std::vector<EnvironmentPart> environment = {};
   IntegratorOptions integrator = {};
   double duration_s = kToBeGiven;
-  std::uint64_t seed = 1;                   ///< of the sensors' noise and bias
+  std::uint64_t seed = 1;                   ///< of the sensors' noise and bias, and of the scatter
+  double position_scatter = 0;              ///< of each joint at the start, normal: σ [rad]
   std::optional<Duration> log_period = {};  ///< none: that of the controller
 
   template <class F>
@@ -85,6 +86,7 @@ struct Scenario {
     f("integrator", integrator);
     f("duration_s", duration_s, "s", Between(1e-3, 1e6));
     f("seed", seed, "", Between(0, 9007199254740992.0));
+    f("position_scatter", position_scatter, "rad", kNotNegative);
     f("log_period", log_period);
   }
 };
@@ -92,7 +94,8 @@ struct Scenario {
 /// The URDF file of a scenario's robot.
 std::filesystem::path UrdfOf(const Scenario& scenario);
 
-/// The arm of a scenario, with everything that comes with its name filled in.
+/// The arm of a scenario, with everything that comes with its name filled in. It starts where the
+/// scatter of the seed puts it, for the plant and the controller alike.
 SimulatedArm::Options StationOf(const Scenario& scenario);
 
 /// The controller of a scenario for that arm: its model may have errors.
