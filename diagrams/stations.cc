@@ -54,8 +54,9 @@ PerJoint Figures(std::initializer_list<double> figures) { return JointTorque(fig
 ///
 /// Chosen once, on the mass drop of Muraccioli et al. 2025 (RSS) in their posture, 1.25 kg by 25 cm
 /// on a rope of 2 kN/m and 20 N·s/m: peak 5.8 mm, at rest to 0.5 mm 0.85 s after the release. RSS
-/// has 5.632 ± 1.820 mm and 0.842 ± 0.220 s, its rope and band unpublished. The rope counts as much
-/// as the gains: with 1 and 3 kN/m the peak is 4.0 and 8.4 mm, with 10 kN/m 14 mm: torques are cut.
+/// has 5.632 ± 1.820 mm and 0.842 ± 0.220 s, its rope and band unpublished; that much scatter a
+/// simulated drop does not have. The rope counts as much as the gains: with 1, 3 and 10 kN/m the
+/// peak is 4.0, 8.4 and 14 mm, the last one with any gains, since torques are cut.
 ArmFirmware::Options Gen3PositionGains() {
   ArmFirmware::Options firmware;
   firmware.position_stiffness = Figures({16e3, 16e3, 16e3, 16e3, 4e3, 4e3, 4e3});

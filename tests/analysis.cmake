@@ -34,6 +34,7 @@ pliant_test(analysis/report_test.cc LIBRARIES pliant::analysis nlohmann_json::nl
 pliant_test(analysis/with_unit_test.cc LIBRARIES pliant::analysis)
 pliant_test(analysis/compliance_prediction_test.cc LIBRARIES pliant::analysis)
 pliant_test(analysis/null_space_compliance_test.cc LIBRARIES pliant::analysis)
+pliant_test(analysis/mass_drop_test.cc LIBRARIES pliant::analysis)
 pliant_test(analysis/bound_claim_test.cc LIBRARIES pliant::analysis)
 pliant_test(analysis/damper_claim_test.cc LIBRARIES pliant::analysis)
 pliant_test(analysis/motion_claims_test.cc LIBRARIES pliant::analysis)

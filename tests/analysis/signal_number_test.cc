@@ -65,6 +65,23 @@ TEST(SignalNumber, SettlesAtItsFinalMeanOrNever) {
   EXPECT_NEAR(settling.Of(run), std::log(20) / 5, std::exp(-9) / 0.05 / 5 + 1e-3);
 }
 
+// What counts is how far it is from where it was at 0.5 s, before the rows that are taken.
+TEST(SignalNumber, IsRelativeToATimeThatNeedNotBeTaken) {
+  const RunData run = Recorded([](double t) { return 3 + t; }, [](double t) { return 4 - t * t; });
+  SignalNumber last = Number(Statistic::Last);
+  last.elements = {};
+  last.from_s = 1;
+  last.relative_to_s = 0.5;
+  EXPECT_NEAR(last.Of(run), std::hypot(2 - 0.5, 4 - 0.25), 1e-14);
+  last.relative_to_s = 0.4995;  // between two rows: the one after it
+  EXPECT_NEAR(last.Of(run), std::hypot(2 - 0.5, 4 - 0.25), 1e-14);
+  last.elements = {"y"};
+  EXPECT_NEAR(last.Of(run), -4 + 0.25, 1e-14);  // with its sign
+  last.relative_to_s = 2.1;
+  EXPECT_EQ(ErrorOf([&] { last.Of(run); }),
+            "no row of a.b lies at or after relative_to_s, got 2.1");
+}
+
 // A norm that is constant hides a vector that turns.
 TEST(SignalNumber, SettlesAsAVectorNotAsANorm) {
   const RunData run = Recorded([](double t) { return t < 1 ? std::cos(kPi * t) : -1; },
@@ -116,6 +133,8 @@ TEST(SignalNumber, SaysWhatItIs) {
   EXPECT_EQ(number.text(signal), "settling time of a.b to within 2.00 mm of zero");
   number.settles_at = SettlesAt::Final;
   EXPECT_EQ(number.text(signal), "settling time of a.b to within 2.00 mm of its final mean");
+  number = {.signal = "a.b", .from_s = 1, .relative_to_s = 0.5};
+  EXPECT_EQ(number.text(signal), "peak norm of a.b relative to 500 ms from 1.00 s");
 }
 
 TEST(SignalNumber, RefusesWhatDoesNotGoTogether) {
@@ -138,6 +157,11 @@ TEST(SignalNumber, RefusesWhatDoesNotGoTogether) {
   EXPECT_EQ(error(number), "above_hz must be < 500 Hz, half the rate of the log's rows, got 500");
   number.above_hz = 499;
   EXPECT_EQ(error(number), "no error");
+  number.relative_to_s = 0;
+  EXPECT_EQ(error(number), "relative_to_s does not go with above_hz, which leaves no constant");
+  number.above_hz = 0;
+  number.relative_to_s = 1.5;
+  EXPECT_EQ(error(number), "relative_to_s must be <= duration_s, 1, got 1.5");
 }
 
 TEST(SignalNumber, RefusesToFilterRowsThatAreNotEvenlySpaced) {

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <map>
 
 #include "pliant/plants/parameter_file.h"
@@ -219,6 +220,29 @@ TEST(Scenario, HasNoiseByItsSeed) {
   const auto first = rows("1");
   EXPECT_EQ(first, rows("1"));
   EXPECT_NE(first, rows("2"));
+}
+
+// Of 700 numbers the mean is within four of its standard deviations, σ/√700, and so is the mean
+// square, σ² √(2/700).
+TEST(Scenario, StartsWhereTheScatterOfItsSeedPutsIt) {
+  const Scenario scenario = ScenarioIn(kIdeal);
+  EXPECT_EQ(StationOf(ScenarioIn(kIdeal, {{"seed", "2"}})).position, StationOf(scenario).position);
+  const double sigma = 0.02;
+  double sum = 0, squares = 0;
+  for (int seed = 1; seed <= 100; ++seed) {
+    const Scenario scattered =
+        ScenarioIn(kIdeal, {{"position_scatter", Text(sigma)}, {"seed", std::to_string(seed)}});
+    const SimulatedArm::Options arm = StationOf(scattered);
+    EXPECT_EQ(arm.position, StationOf(scattered).position);
+    EXPECT_EQ(arm.position, ControllerOf(scattered, arm).position);
+    const PerJoint off = arm.position - StationOf(scenario).position;
+    sum += off.sum();
+    squares += off.squaredNorm();
+  }
+  EXPECT_NEAR(sum / 700, 0, 4 * sigma / std::sqrt(700));
+  EXPECT_NEAR(squares / 700, sigma * sigma, 4 * sigma * sigma * std::sqrt(2.0 / 700));
+  EXPECT_EQ(ErrorOfSetting({{"position_scatter", "-1"}}),
+            "--set position_scatter: position_scatter must be >= 0 rad, got -1");
 }
 
 // Position mode holds where the arm starts; the controller then finds it there, at rest.
