@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "pliant/analysis/series.h"
 #include "pliant/analysis/signal_number.h"
 #include "pliant/analysis/with_unit.h"
 
@@ -15,7 +16,11 @@ constexpr const char* kVelocity = "arm.velocity";
 }  // namespace
 
 void DamperClaim::RequireFit(const Scenario& scenario) const {
-  RequireRowBetween(from_s, kUnbounded, scenario);
+  RequireRowBetween(from_s, to_s, scenario);
+  const RobotModel model = RobotModel::FromUrdf(UrdfOf(scenario));
+  Require(bound != DamperBound::Position ||
+              model.joint(model.joint_index(joint)).type != Joint::Type::Continuous,
+          "bound position: '" + joint + "' is continuous and has no position limit");
 }
 
 void DamperClaim::RequireSound(const Recording& recorded) const { recorded[kPosition].row(joint); }
@@ -27,7 +32,7 @@ Claim DamperClaim::Check(const Runs& all) const {
     const RunData& run = all[name];
     const Joint& j = run.arm.model.joint(run.arm.model.joint_index(joint));
     const JointDamper::Options& damper = run.control.damper;
-    const RowsBetween rows(run.times(), from_s, kUnbounded);
+    const RowsBetween rows(run.times(), from_s, to_s);
     const auto of = [&](const char* path) {
       const RecordedSignal& signal = run.log[path];
       return Eigen::VectorXd(
@@ -36,16 +41,15 @@ Claim DamperClaim::Check(const Runs& all) const {
     const auto is = [&](double beyond, const char* unit, const char* limit) {
       measured += (measured.ends_with(' ') ? "" : ", ") + WithUnit(std::abs(beyond), unit) +
                   (beyond > 0 ? " beyond " : " before ") + limit;
-      holds = holds && (beyond > 0) == crossed;
+      holds = holds && (crossed ? beyond > 0 : beyond <= 0);  // NaN never holds
     };
     measured += (measured.empty() ? "" : "; ") + run.title + ": ";
     if (bound != DamperBound::Position)
-      is(of(kVelocity).cwiseAbs().maxCoeff() - damper.velocity_fraction * j.velocity, "rad/s",
+      is(Largest(of(kVelocity).cwiseAbs()) - damper.velocity_fraction * j.velocity, "rad/s",
          "q̇⁺");
     if (bound != DamperBound::Speed && j.type != Joint::Type::Continuous) {
       const double d_s = damper.safety_distance * (j.upper - j.lower);
-      is(std::max(of(kPosition).maxCoeff() - (j.upper - d_s),
-                  j.lower + d_s - of(kPosition).minCoeff()),
+      is(Largest((of(kPosition).array() - (j.upper - d_s)).max(j.lower + d_s - of(kPosition).array())),
          "rad", "the d_s line");
     }
   }

@@ -18,7 +18,7 @@ inline const std::vector<std::string>& Words(DamperBound) {
 
 /// In each of `runs` a joint keeps the bounds of its damper, or, with `crossed`, passes each of
 /// those meant: its position [q⁻ + d_s, q⁺ − d_s], which a continuous joint does not have, its
-/// speed q̇⁺. They are true positions and velocities, from `from_s` on.
+/// speed q̇⁺. They are true positions and velocities, from `from_s` to `to_s`.
 struct DamperClaim {
   static constexpr const char* kTag = "KeepsDamper";
   ClaimSource claim;
@@ -26,7 +26,7 @@ struct DamperClaim {
   std::string joint;
   DamperBound bound = DamperBound::Both;
   bool crossed = false;
-  double from_s = 0;
+  double from_s = 0, to_s = kUnbounded;
 
   template <class F>
   void Parameters(F&& f) {
@@ -36,6 +36,7 @@ struct DamperClaim {
     f("bound", bound);
     f("crossed", crossed);
     f("from_s", from_s, "s", kNotNegative);
+    f("to_s", to_s, "s", kLimit);
   }
   /// Throws Error if no row of a run is looked at.
   void RequireFit(const Scenario& scenario) const;

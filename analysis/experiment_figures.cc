@@ -14,18 +14,18 @@ namespace {
 
 std::vector<double> Vector(const Eigen::VectorXd& x) { return {x.begin(), x.end()}; }
 
-/// The sum of the norms of the forces of all contacts of the environment [N].
+/// The norm of the sum of the forces of all contacts of the environment [N].
 Eigen::VectorXd ContactForces(const RunData& run) {
   constexpr std::array<std::string_view, 4> kKinds{"push_", "hand_", "mass_", "surface_"};
-  Eigen::VectorXd force = Eigen::VectorXd::Zero(run.times().size());
+  Series force = Series::Zero(3, run.times().size());
   for (const RecordedSignal& signal : run.log.signals()) {
     const auto named = [&](std::string_view kind) { return signal.path.starts_with(kind); };
     if (signal.type != ContactForce::quantity.name || std::ranges::none_of(kKinds, named)) continue;
     const std::array<Eigen::Index, 3> rows{signal.row("force[x]"), signal.row("force[y]"),
                                            signal.row("force[z]")};
-    force += Norms(signal.numbers(rows, Eigen::all));
+    force += signal.numbers(rows, Eigen::all);
   }
-  return force;
+  return Norms(force);
 }
 
 }  // namespace
@@ -55,7 +55,7 @@ Figure VelocityFigure::Draw(const Runs& all) const {
       .name = file(),
       .caption =
           "Norms of the tool's linear and angular velocity and of the joint velocity, and "
-          "(orange) the forces of all contacts. Shaded: while something pushes or a "
+          "(orange) the sum of the forces of all contacts. Shaded: while something pushes or a "
           "hand holds. A column for each run.",
       .columns = static_cast<int>(runs.size())};
   struct Row {

@@ -10,7 +10,7 @@ namespace pliant {
 
 /// EC-fig2 … 4: velocity over position of one joint, a curve for each run. Shaded is what the
 /// dampers of the runs forbid: beyond q⁺ − d_s, q⁻ + d_s and ±q̇⁺, and again beyond q⁺ and q⁻.
-/// Dashed are these bounds, and where ë_p of EC (23) is zero:
+/// Dashed are these bounds, and where ë_p of EC (24) is zero:
 ///
 ///   q̇ = λ/(4M²) (q⁺ − d_s − q)    above,    q̇ = λ/(4M²) (q⁻ + d_s − q)    below
 ///

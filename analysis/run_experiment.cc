@@ -196,6 +196,27 @@ class Execution {
   std::optional<std::string> failure_;
 };
 
+/// Empty: 0.
+template <class Matrix>
+std::string MatrixText(const Matrix& m) {
+  return m.size() == 0 ? "0" : internal::LineOf(m);
+}
+
+std::string LimitsOf(const ComplianceControl::Options& c) {
+  const JointDamper::Options& d = c.damper;
+  std::string limits =
+      d.form == JointDamper::Form::Classical
+          ? "torque, and classical dampers with δt = " + d.step.text()
+          : "torque, and dampers with λ = " + Text(d.rate) + " 1/s, M = " + Text(d.damping_ratio);
+  limits += ", d_s = " + Text(100 * d.safety_distance) + " % of the range, " +
+            Text(100 * d.velocity_fraction) + " % of the velocity limits";
+  if (c.collisions) limits += "; collisions";
+  if (!c.workspace.empty()) limits += "; workspace";
+  if (c.speed_limit) limits += "; speed of " + c.speed_limit->frame;
+  if (c.force_limit) limits += "; force at the wrist " + Text(c.force_limit->force) + " N";
+  return limits;
+}
+
 std::string EstimatorOf(const ComplianceControl::Options& c) {
   const std::string gain = "K_I = " + Text(c.observer_gain) + " 1/s";
   const std::string rate = "L = " + Text(c.observer_rate) + " N·m/s";
@@ -223,7 +244,13 @@ std::vector<Setting> SettingsOfRun(const RunData& run) {
   const StationOptions& station = std::get<StationOptions>(s.station);
   const ComplianceControl::Options& c = run.control;
   const auto gains = [](const auto& g) {
-    return Text(g.stiffness) + " 1/s², " + Text(g.damping) + " 1/s, weight " + Text(g.weight);
+    const auto text = [](const auto& x) {
+      if constexpr (requires { x.size(); })
+        return MatrixText(x);
+      else
+        return Text(x);
+    };
+    return text(g.stiffness) + " 1/s², " + text(g.damping) + " 1/s, weight " + Text(g.weight);
   };
   return {
       {"robot",
@@ -236,13 +263,11 @@ std::vector<Setting> SettingsOfRun(const RunData& run) {
       {"plant", Words(station.engine)[static_cast<std::size_t>(station.engine)]},
       {"controller", "one QP at " + c.period.text() + ": pose of " + c.tool + " " + gains(c.pose) +
                          "; posture " + gains(c.posture)},
-      {"limits", "torque, and dampers with λ = " + Text(c.damper.rate) +
-                     " 1/s, M = " + Text(c.damper.damping_ratio) +
-                     ", d_s = " + Text(100 * c.damper.safety_distance) + " % of the range"},
+      {"limits", LimitsOf(c)},
       {"estimator", EstimatorOf(c)},
       {"compliance", c.modes ? "as the modes say"
-                             : "Γ = " + internal::LineOf(c.pose.compliance) + " of the pose, " +
-                                   internal::LineOf(c.posture.compliance) + " of the posture"},
+                             : "Γ = " + MatrixText(c.pose.compliance) + " of the pose, " +
+                                   MatrixText(c.posture.compliance) + " of the posture"},
       {"integrator", std::string(Name(s.integrator.method)) + ", tolerances " +
                          Text(s.integrator.relative_tolerance) + " relative, " +
                          Text(s.integrator.absolute_tolerance) + " absolute"},

@@ -209,8 +209,9 @@ void ComplianceQp::Solve(Solution& out, const Solution& last, Workspace& w, cons
     r.bound_multiplier.setZero();
     r.row_multiplier.setZero();
     out.active.clear();
-    out.qdd.setZero();
     out.torque = Fallback(d, limit);
+    out.qdd = ForwardDynamics(d, out.torque, JointTorque(PerJoint::Zero(n_)));
+    if (!out.qdd.allFinite()) out.qdd.setZero();
     return;
   }
   out.qdd = w.solution.x;
@@ -290,9 +291,10 @@ bool ComplianceQp::Give(Workspace& w, const Flags& kept, const Flags& giving, in
   w.none.clear();
   for (int pass = 0; pass < 2; ++pass) {
     if (pliant::Solve(relaxed, w.solver, w.none, w.solution) != QpStatus::Solved) return false;
-    relaxed.g.head(n_) = -w.solution.x.head(n_);  // a second step of the proximal point method
+    w.feasible = w.solution.x.head(n_);
+    relaxed.g.head(n_) = -w.feasible;  // a second step of the proximal point method
   }
-  const PerJoint qdd = w.feasible = w.solution.x.head(n_);
+  const PerJoint qdd = w.feasible;
   bool moved = false;
   for (int j = 0; j < limits; ++j) {
     if (!giving[j]) continue;

@@ -15,7 +15,7 @@ struct ComplianceQpReport {
 
   enum class Outcome : std::uint8_t {
     Solved,    ///< all limits hold
-    Relaxed,   ///< bounds or rows are exceeded by their slack, torque limits hold
+    Relaxed,   ///< solved again with bounds and rows that may be exceeded; torque limits hold
     Fallback,  ///< no solution: damped gravity compensation
   };
 
@@ -51,7 +51,7 @@ struct ComplianceQpReport {
 ///
 ///   min Σ_k w_k ‖A_k q̈ʳ − b_k‖²                                                       (EC 9)
 ///   s.t. τ⁻ ≤ M q̈ʳ + C q̇ + g − τ̂_e ≤ τ⁺                                            (EC 10)
-///        bounds of every damper on q̈ʳ                                            (EC 23, 24)
+///        bounds of every damper on q̈ʳ                                            (EC 19, 24)
 ///        lower ≤ A q̈ʳ ≤ upper of all rows
 ///   τ_d = M q̈_d + C q̇ + g − τ̂_e                                                      (EC 8)
 ///
@@ -68,8 +68,10 @@ struct ComplianceQpReport {
 /// lower > upper taken at their middle; what it must be exceeded by is then added to it. Last, the
 /// tasks get what freedom remains.
 ///
+/// Of one priority as many give way together as 64 − n; where there are more, later rows go first.
+///
 /// Without any solution the arm gets g − d q̇ inside the torque limits (zero where that is no
-/// number). Both are reported.
+/// number), and q̈_d is what that does to an arm that nothing pushes. Both are reported.
 ///
 /// Source: Celerier et al. 2025 (EC).
 class ComplianceQp final : public Block {

@@ -27,7 +27,7 @@ void ForceLimit::Limit(AccelerationRows& out, const RobotDynamics& d, const Wren
   Eigen::Vector3d F = at.pose.rotation * W.tail<3>();
   if (o_.direction) F = F.dot(*o_.direction) / o_.direction->squaredNorm() * *o_.direction;
   const double size = F.norm();
-  if (!(size >= o_.contact_from)) {
+  if (size < o_.contact_from) {
     out.A.setZero();
     out.lower(0) = -std::numeric_limits<double>::infinity();
     return;

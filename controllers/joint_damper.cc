@@ -26,12 +26,14 @@ JointDamper::JointDamper(const Options& o)
              {PerJoint::Constant(o.model.size(), -std::numeric_limits<double>::infinity()),
               PerJoint::Constant(o.model.size(), std::numeric_limits<double>::infinity())}},
       law_{o.rate, o.damping_ratio},
-      xi_{o.approach_speed},
-      step_{o.step_s},
+      xi0_{o.speed_offset},
+      step_{seconds(o.step)},
       lower_{o.model.lower_limit() + Margin(o)},
       upper_{o.model.upper_limit() - Margin(o)},
       speed_{o.velocity_fraction * o.model.velocity_limit()},
-      influence_{(o.influence_distance - o.safety_distance) * RangeOf(o.model)} {
+      influence_{(o.influence_distance - o.safety_distance) * RangeOf(o.model)},
+      approach_{
+          this, "approach", {}, {PerJoint::Zero(o.model.size()), PerJoint::Zero(o.model.size())}} {
   RequireInRange("", o);
   if (o.form == Form::Proposed) {
     Compute(bounds).From(dynamics).As(&JointDamper::Bound);
@@ -39,7 +41,8 @@ JointDamper::JointDamper(const Options& o)
     Require(o.influence_distance > o.safety_distance,
             "influence_distance must be > safety_distance, " + Text(o.safety_distance),
             o.influence_distance);
-    Compute(bounds).From(dynamics).As(&JointDamper::BoundClassically);
+    Every(o.step).Compute(approach_).From(approach_, dynamics).As(&JointDamper::Enter);
+    Compute(bounds).From(dynamics, approach_).As(&JointDamper::BoundClassically);
   }
 }
 
@@ -53,16 +56,32 @@ void JointDamper::Bound(AccelerationBounds& out, const RobotDynamics& d) const {
   }
 }
 
-void JointDamper::BoundClassically(AccelerationBounds& out, const RobotDynamics& d) const {
-  const auto least = [this](double room, double influence, double edot) {
-    return room < influence ? -(edot + xi_ * room / influence) / step_
+JointDamper::Approach JointDamper::Enter(const Approach& last, const RobotDynamics& d) const {
+  const auto xi = [this](double before, double room, double influence, double edot) {
+    if (!(room < influence)) return 0.0;
+    // On the line d_s and beyond there is no such speed; what was found before stays.
+    if (before > 0 || room <= 0) return std::max(before, xi0_);
+    return std::abs(edot) * influence / room + xi0_;
+  };
+  Approach now = last;
+  for (int i = 0; i < d.q.size(); ++i) {
+    now.upper(i) = xi(last.upper(i), upper_(i) - d.q(i), influence_(i), d.v(i));
+    now.lower(i) = xi(last.lower(i), d.q(i) - lower_(i), influence_(i), d.v(i));
+  }
+  return now;
+}
+
+void JointDamper::BoundClassically(AccelerationBounds& out, const RobotDynamics& d,
+                                   const Approach& xi) const {
+  const auto least = [this](double speed, double room, double influence, double edot) {
+    return room < influence ? -(edot + speed * room / influence) / step_
                             : -std::numeric_limits<double>::infinity();
   };
   for (int i = 0; i < d.q.size(); ++i) {
-    out.upper(i) =
-        std::min(-least(upper_(i) - d.q(i), influence_(i), -d.v(i)), (speed_(i) - d.v(i)) / step_);
-    out.lower(i) =
-        std::max(least(d.q(i) - lower_(i), influence_(i), d.v(i)), -(speed_(i) + d.v(i)) / step_);
+    out.upper(i) = std::min(-least(xi.upper(i), upper_(i) - d.q(i), influence_(i), -d.v(i)),
+                            (speed_(i) - d.v(i)) / step_);
+    out.lower(i) = std::max(least(xi.lower(i), d.q(i) - lower_(i), influence_(i), d.v(i)),
+                            -(speed_(i) + d.v(i)) / step_);
   }
 }
 

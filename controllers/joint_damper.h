@@ -15,8 +15,8 @@ namespace pliant {
 /// −q̇⁺:
 ///
 ///   ë ≥ max(ë_p, ë_v)                            (EC 19)
-///   ë_p = −λ ė − λ²/(4M²) (e − d_s)              (EC 23)
-///   ë_v = −λ (ė − ė_min)                         (EC 24)
+///   ë_p = −λ ė − λ²/(4M²) (e − d_s)              (EC 24)
+///   ë_v = −λ (ė − ė_min)                         (EC 18, with λ for 1/δt)
 ///
 /// M > 1 makes the approach overdamped: a joint that sets out at rest and keeps to its bounds comes
 /// up to e = d_s and q̇⁺ and passes neither, also when sampled and held every h ≤ 1/λ. Continuous
@@ -26,10 +26,11 @@ namespace pliant {
 /// The classical form, for comparison, depends on the sample δt and begins at the distance d_i:
 ///
 ///   ë_p = −(ė − ė_d)/δt,   ė_d = −ξ (e − d_s)/(d_i − d_s),   where e < d_i             (EC 15, 17)
+///   ξ = |ė| (d_i − d_s)/(e − d_s) + ξ₀   at the tick at which e falls below d_i, kept until it rises
 ///   ë_v = −(ė − ė_min)/δt                                                                (EC 18)
 ///
 /// Source: Celerier et al. 2025 (EC); λ = 100 1/s, M = 2, d_s = 1 % of the range as recommended
-/// there. Classical: Vaillant et al., Autonomous Robots 40(3), 2016; d_i, ξ as in mc_rtc.
+/// there. Classical: Vaillant et al., Autonomous Robots 40(3), 2016; ξ, d_i and ξ₀ as in mc_rtc.
 class JointDamper final : public Block {
  public:
   enum class Form { Proposed, Classical };
@@ -47,8 +48,8 @@ class JointDamper final : public Block {
     double velocity_fraction = 1;   ///< of the model's velocity limit, in (0, 1]
     Form form = Form::Proposed;
     double influence_distance = 0.1;  ///< d_i as a fraction of a joint's range, > safety_distance
-    double approach_speed = 0.5;      ///< ξ [rad/s], > 0
-    double step_s = 1e-3;             ///< δt, > 0
+    double speed_offset = 0.5;        ///< ξ₀ [rad/s], > 0
+    Duration step = 1ms;              ///< δt of the classical form
 
     template <class F>
     void Parameters(F&& f) {
@@ -61,8 +62,8 @@ class JointDamper final : public Block {
       f("form", form);
       f("influence_distance", influence_distance, "",
         Range{.least = 0, .most = 1, .without_least = true});
-      f("approach_speed", approach_speed, "rad/s", kPositive);
-      f("step_s", step_s, "s", kPositive);
+      f("speed_offset", speed_offset, "rad/s", kPositive);
+      f("step", step);
     }
   };
 
@@ -73,12 +74,25 @@ class JointDamper final : public Block {
 
  private:
   void Bound(AccelerationBounds& out, const RobotDynamics& d) const;
-  void BoundClassically(AccelerationBounds& out, const RobotDynamics& d) const;
+  /// ξ of the upper and of the lower limits; 0 outside of d_i.
+  struct Approach {
+    PerJoint upper, lower;
+
+    template <class Visitor>
+    void Fields(Visitor&& f) {
+      f("upper", upper, "rad/s");
+      f("lower", lower, "rad/s");
+    }
+  };
+  Approach Enter(const Approach& last, const RobotDynamics& d) const;
+  void BoundClassically(AccelerationBounds& out, const RobotDynamics& d,
+                        const Approach& xi) const;
 
   const VelocityDamper law_;
-  const double xi_, step_;
+  const double xi0_, step_;
   const PerJoint lower_, upper_, speed_;  // with d_s taken off; ∓∞ for continuous joints
   const PerJoint influence_;              // d_i − d_s; ∞ for continuous joints
+  Output<Approach> approach_;
 };
 
 }  // namespace pliant

@@ -6,21 +6,24 @@ namespace pliant {
 
 namespace {
 
-int Count(const WorkspacePlanes::Options& o) { return static_cast<int>(o.planes.size()); }
+int Count(const WorkspacePlanes::Options& o) {
+  const auto count = static_cast<int>(o.planes.size());
+  Require(count >= 1 && count <= WorkspacePlanes::kMaxPlanes,
+          "a frame has from 1 to " + Text(WorkspacePlanes::kMaxPlanes) + " planes", count);
+  return count;
+}
 
 }  // namespace
 
 WorkspacePlanes::WorkspacePlanes(const Options& o)
     : dynamics{this, "dynamics", o.model.joints()},
-      distance{this, "distance", {}, TaskVector::Zero(std::min(Count(o), kMaxPlanes))},
+      distance{this, "distance", {}, TaskVector::Zero(Count(o))},
       rows{this, "rows", o.model.joints(),
            AccelerationRows::None(Count(o), o.model.size(), o.priority)},
       o_{o},
       link_{o.model.link_index(o.frame)},
       at_{this, "at", {}, PointDynamics(o.model, RobotDynamics(o.model), link_, {0, 0, 0})} {
   RequireInRange("", o);
-  Require(Count(o) >= 1 && Count(o) <= kMaxPlanes,
-          "a frame has from 1 to " + Text(kMaxPlanes) + " planes", Count(o));
   RequireEachInRange("point", o.point, "m", kAnyNumber);
   for (std::size_t i = 0; i < o.planes.size(); ++i) {
     const HalfSpace& plane = o.planes[i];

@@ -73,6 +73,15 @@ class ComplianceSchedule final : public Block {
   Output<Now> now_;
 };
 
+/// A number for all joints, or one for each.
+PerJoint ForEachJoint(const std::string& name, const JointMatrix& given, int n) {
+  if (given.size() <= 1) return PerJoint::Constant(n, given.size() == 0 ? 0 : given(0, 0));
+  Require(given.cols() == 1 && given.rows() == n,
+          "posture." + name + " must be a number or one for each of the " + Text(n) + " joints",
+          Text(given.rows()) + " x " + Text(given.cols()));
+  return given.col(0);
+}
+
 Pose Behind(const Pose& start, const Pose& relative) {
   return {start.position + relative.position, relative.rotation * start.rotation};
 }
@@ -139,6 +148,11 @@ ComplianceControl::ComplianceControl(const Options& o)
   const Joints& joints = o.model.joints();
   const int n = o.model.size();
   const bool open_loop = o.command == ArmCommand::Position;
+  RequireInRange("", o);
+  Require(o.pose.weight > 0 || !(o.modes || o.reference || o.door),
+          "modes, reference and door move the tool, so pose.weight must be > 0", o.pose.weight);
+  Require(!o.door || o.pose.mobility.size() == 0,
+          "the door gives the pose its mobility; expected none of pose.mobility");
   RequireOneForEach(joints, "position", o.position.size());
   RobotDynamics start(o.model, {o.tool});
   ComputeDynamics(o.model, o.position, JointVelocity::Zero(joints), start);
@@ -161,12 +175,13 @@ ComplianceControl::ComplianceControl(const Options& o)
                                        .weight = o.pose.weight > 0 ? o.pose.weight : 1,
                                        .compliance = o.pose.compliance,
                                        .mobility = o.pose.mobility,
-                                       .compliance_axes = o.pose.compliance_axes});
+                                       .compliance_axes = o.pose.compliance_axes,
+                                       .inertia_limit = o.door ? o.door->inertia_limit : 200});
   auto& posture =
       Add<PostureTask>("posture", {.model = o.model,
                                    .target = o.position,
-                                   .stiffness = PerJoint::Constant(n, o.posture.stiffness),
-                                   .damping = PerJoint::Constant(n, o.posture.damping),
+                                   .stiffness = ForEachJoint("stiffness", o.posture.stiffness, n),
+                                   .damping = ForEachJoint("damping", o.posture.damping, n),
                                    .weight = o.posture.weight,
                                    .compliance = o.posture.compliance});
   JointDamper::Options joint_limits = o.damper;

@@ -52,8 +52,8 @@ struct PoseGains {
 
 /// The same of a posture.
 struct PostureGains {
-  double stiffness = 0;         ///< λ₂ [1/s²]
-  double damping = 5;           ///< λ₁ [1/s]
+  JointMatrix stiffness = {};   ///< λ₂ [1/s²], a number or one for each joint; empty: 0
+  JointMatrix damping = JointMatrix::Constant(1, 1, 5);  ///< λ₁ [1/s], the same way
   double weight = 1;            ///< w₀
   JointMatrix compliance = {};  ///< Γ₀, as PostureTask has it
 
@@ -189,7 +189,7 @@ class ComplianceControl final : public Composite {
   Output<bool> yields;                     ///< the supervisor, in the mode Dual
   Output<PairDistances> distance;          ///< of what is kept apart
   Output<DoorMotion> door;
-  Output<PoseError> pose_error;
+  Output<PoseError> pose_error;  ///< these three of the reference, with the command Position
   Output<Twist> pose_error_rate;
   Output<JointPosition> posture_error;
   Output<ComplianceQpReport> report;

@@ -183,7 +183,7 @@ ComplianceControl::Options ControllerOf(const Scenario& scenario,
   if (control.collisions && control.collisions->pairs == CollisionPairs{})
     control.collisions->pairs =
         CollisionPairs::Read(ModelFile(ArmOf(scenario).collisions), control.model);
-  if (arm.wrist) control.wrist = WristToolOf(control.model, *arm.wrist);
+  if (arm.wrist) control.wrist = WristToolOf(ModelOf(scenario), *arm.wrist);
   return control;
 }
 
@@ -235,7 +235,8 @@ ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<Recor
   b.Connect(schedule.mode, arm->mode);
   b.Connect(control->torque, arm->torque_command);
   b.Connect(control->current, arm->current_command);
-  b.Connect(control->position, arm->position_command);
+  if (controller.command == ArmCommand::Position)
+    b.Connect(control->position, arm->position_command);  // else it holds its start
 
   if (!sink) return;
   auto& recorder =

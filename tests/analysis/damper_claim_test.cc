@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "pliant/tests/plants/arms.h"
 #include "pliant/tests/support/error_of.h"
 
@@ -55,6 +57,14 @@ TEST(DamperClaim, HoldsWhereAllBoundsThatAreMeantAreCrossed) {
   EXPECT_TRUE(Holds(Speed, true, -2.5, -3));
 }
 
+TEST(DamperClaim, NeverHoldsOfWhatIsNoNumber) {
+  const double nan = std::nan("");
+  for (const bool crossed : {false, true}) {
+    EXPECT_FALSE(Holds(DamperBound::Position, crossed, nan, 0));
+    EXPECT_FALSE(Holds(DamperBound::Speed, crossed, -2, nan));
+  }
+}
+
 TEST(DamperClaim, SaysHowFarOfABoundEachRunIs) {
   const RunData run = Falling(-2.5, -2.1);
   const Claim claim = Of(DamperBound::Both, false).Check(Runs({&run}));
@@ -71,7 +81,13 @@ TEST(DamperClaim, RefusesAJointOrATimeThatIsNotThere) {
   scenario.robot = "gen3";
   scenario.duration_s = 1;
   claim.from_s = 2;
+  claim.joint = "joint_4";
   EXPECT_NE(ErrorOf([&] { claim.RequireFit(scenario); }), "");
+  claim.from_s = 0;
+  claim.bound = DamperBound::Position;
+  claim.joint = "joint_3";
+  EXPECT_EQ(ErrorOf([&] { claim.RequireFit(scenario); }),
+            "bound position: 'joint_3' is continuous and has no position limit");
 }
 
 }  // namespace

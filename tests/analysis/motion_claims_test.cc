@@ -78,7 +78,7 @@ struct Door {
       joints.col(k) = q;
     }
     std::vector<std::string> names, units;
-    for (const std::string& name : model.joints().names()) {
+    for (const std::string& name : model.joints()) {
       names.push_back("[" + name + "]");
       units.emplace_back("rad");
     }

@@ -82,6 +82,18 @@ TEST(ForceLimit, HasNoBoundWhereNothingTouches) {
   }
 }
 
+TEST(ForceLimit, PassesOnAContactThatIsNoNumber) {
+  const RobotModel m = Gen3();
+  RandomStates random(m, 59);
+  BlockTester<ForceLimit> t(
+      ForceLimit::Options{.model = m, .frame = "tool_frame", .force = 15, .stiffness = 2000});
+  t.Set(t->dynamics, At(m, random.q(), random.v()));
+  Wrench broken;
+  broken(4) = std::nan("");
+  t.Set(t->contact, broken);
+  EXPECT_TRUE(std::isnan(t.Get(t->rows).lower(0))) << "so the QP reports it";
+}
+
 /// A point that is driven into a spring as hard as the row allows, sampled and held at 1 kHz.
 TEST(ForceLimit, PressesNoHarderThanAllowedOnSpringsUpToTheSquareOfTheDampingRatio) {
   const double k = 2000, limit = 15, h = 1e-3;

@@ -139,36 +139,61 @@ TEST(JointDamper, AsksForTheImpossibleOnlyFarOutsideOfALimit) {
 TEST(JointDamper, BoundsClassicallyAsTheFormulasSay) {
   const RobotModel m = Gen3();
   RandomStates random(m, 42);
-  BlockTester<JointDamper> t({.model = m,
-                              .safety_distance = 0.01,
-                              .form = JointDamper::Form::Classical,
-                              .influence_distance = 0.1,
-                              .approach_speed = 0.5,
-                              .step_s = 2e-3});
-  int near = 0;
-  for (int k = 0; k < 1000; ++k) {
-    const JointPosition q = random.q();
-    const JointVelocity v = random.v();
-    t.Set(t->dynamics, At(m, q, v));
-    const AccelerationBounds bounds = t.Get(t->bounds);
-    for (int i = 0; i < m.size(); ++i) {
-      const Joint& j = m.joint(i);
-      const double d_s = 0.01 * (j.upper - j.lower), d_i = 0.1 * (j.upper - j.lower);
-      // ë ≥ max(ë_p, ë_v), EC (15), (17), (18), (19)
-      const auto least = [&](double e, double edot) {
-        const double velocity = -(edot - -j.velocity) / 2e-3;
-        if (j.type == Joint::Type::Continuous || e >= d_i) return velocity;
-        ++near;
-        const double edot_d = -0.5 * (e - d_s) / (d_i - d_s);
-        return std::max(-(edot - edot_d) / 2e-3, velocity);
-      };
-      const double upper = -least(j.upper - q(i), -v(i));
-      const double lower = least(q(i) - j.lower, v(i));
-      EXPECT_NEAR(bounds.upper(i), upper, 1e-11 * (1 + std::abs(upper)));
-      EXPECT_NEAR(bounds.lower(i), lower, 1e-11 * (1 + std::abs(lower)));
+  const double xi0 = 0.3;
+  int near = 0, kept = 0;
+  for (int k = 0; k < 500; ++k) {
+    BlockTester<JointDamper> t({.model = m,
+                                .safety_distance = 0.01,
+                                .form = JointDamper::Form::Classical,
+                                .influence_distance = 0.1,
+                                .speed_offset = xi0,
+                                .step = 2ms});
+    PerJoint upper_xi = PerJoint::Zero(m.size()), lower_xi = upper_xi;
+    JointPosition q = random.q();
+    for (int tick = 0; tick < 3; ++tick) {
+      const JointVelocity v = random.v();
+      q += 0.05 * random.v();
+      t.Set(t->dynamics, At(m, q, v));
+      t.Tick();
+      const AccelerationBounds bounds = t.Get(t->bounds);
+      for (int i = 0; i < m.size(); ++i) {
+        const Joint& j = m.joint(i);
+        const double d_s = 0.01 * (j.upper - j.lower), d_i = 0.1 * (j.upper - j.lower);
+        // ë ≥ max(ë_p, ë_v), EC (15), (17), (18), (19), with ξ of the tick that enters d_i
+        const auto least = [&](double e, double edot, double& xi) {
+          const double velocity = -(edot - -j.velocity) / 2e-3;
+          if (j.type == Joint::Type::Continuous || e >= d_i) {
+            xi = 0;
+            return velocity;
+          }
+          ++near;
+          kept += xi > 0;
+          if (xi == 0) xi = e > d_s ? std::abs(edot) * (d_i - d_s) / (e - d_s) + xi0 : xi0;
+          const double edot_d = -xi * (e - d_s) / (d_i - d_s);
+          return std::max(-(edot - edot_d) / 2e-3, velocity);
+        };
+        const double upper = -least(j.upper - q(i), -v(i), upper_xi(i));
+        const double lower = least(q(i) - j.lower, v(i), lower_xi(i));
+        EXPECT_NEAR(bounds.upper(i), upper, 1e-11 * (1 + std::abs(upper)));
+        EXPECT_NEAR(bounds.lower(i), lower, 1e-11 * (1 + std::abs(lower)));
+      }
     }
   }
-  EXPECT_GT(near, 500);
+  EXPECT_GT(near, 300);
+  EXPECT_GT(kept, 100);
+}
+
+TEST(JointDamper, BrakesAtFirstByNoMoreThanItsOffsetInTheClassicalForm) {
+  const RobotModel m = Gen3();
+  BlockTester<JointDamper> t(
+      JointDamper::Options{.model = m, .form = JointDamper::Form::Classical});
+  JointPosition q = JointPosition::Zero(m.joints());
+  JointVelocity v = JointVelocity::Zero(m.joints());
+  q(3) = m.joint(3).upper - 0.0999 * (m.joint(3).upper - m.joint(3).lower);
+  v(3) = 1.9;  // so ė_d = −1.9 − 0.5 (e − d_s)/(d_i − d_s): it may even go faster
+  t.Set(t->dynamics, At(m, q, v));
+  t.Tick();
+  EXPECT_GT(t.Get(t->bounds).upper(3), 0);
 }
 
 TEST(JointDamper, RefusesOptionsThatDoNotDamp) {
@@ -187,8 +212,7 @@ TEST(JointDamper, RefusesOptionsThatDoNotDamp) {
                    .form = JointDamper::Form::Classical,
                    .influence_distance = 0.1}),
             "influence_distance must be > safety_distance, 0.1, got 0.1");
-  EXPECT_EQ(error({.model = m, .approach_speed = 0}), "approach_speed must be > 0 rad/s, got 0");
-  EXPECT_EQ(error({.model = m, .step_s = 0}), "step_s must be > 0 s, got 0");
+  EXPECT_EQ(error({.model = m, .speed_offset = 0}), "speed_offset must be > 0 rad/s, got 0");
 }
 
 }  // namespace

@@ -77,6 +77,8 @@ TEST(WorkspacePlanes, RefusesPlanesThatAreNone) {
   o = Box(m);
   o.planes.assign(7, o.planes.front());
   EXPECT_EQ(error(o), "a frame has from 1 to 6 planes, got 7");
+  o.planes.assign(100, o.planes.front());
+  EXPECT_EQ(error(o), "a frame has from 1 to 6 planes, got 100");
   o = Box(m);
   o.planes[1].normal.setZero();
   EXPECT_EQ(error(o), "plane 1: the length of normal must be > 0, got 0");
