@@ -56,7 +56,7 @@ PerJoint Figures(std::initializer_list<double> figures) { return JointTorque(fig
 /// on a rope of 2 kN/m and 20 N·s/m: peak 5.8 mm, at rest to 0.5 mm 0.85 s after the release. RSS
 /// has 5.632 ± 1.820 mm and 0.842 ± 0.220 s, its rope and band unpublished; that much scatter a
 /// simulated drop does not have. The rope counts as much as the gains: with 1, 3 and 10 kN/m the
-/// peak is 4.0, 8.4 and 14 mm, the last one with any gains, since torques are cut.
+/// peak is 4.0, 8.4 and 14 mm, the last one with all gains that were tried: torques are cut.
 ArmFirmware::Options Gen3PositionGains() {
   ArmFirmware::Options firmware;
   firmware.position_stiffness = Figures({16e3, 16e3, 16e3, 16e3, 4e3, 4e3, 4e3});
