@@ -3,6 +3,7 @@
 #include "pliant/plants/simbody.h"
 
 #include <Eigen/Cholesky>
+#include <array>
 #include <limits>
 #include <mutex>
 
@@ -159,13 +160,26 @@ JointAcceleration SimbodyArm::ForwardDynamics(const JointPosition& q, const Join
   }
   // Simbody has no rotors: (M + diag(B)) v̇ = −(C v + g − τ − τ_e).
   matter.calcResidualForceIgnoringConstraints(s.state, s.force, s.body_force, s.zero, s.out);
-  matter.calcM(s.state, s.M);
-  JointMatrix M(n, n);
+  // Its calcM goes through the tree once for each joint; what each body carries is found at once.
+  matter.realizeCompositeBodyInertias(s.state);
+  std::array<SimTK::SpatialVec, kMaxJoints> S;
+  JointMatrix M = JointMatrix::Zero(n, n);
   PerJoint b(n);
   for (int i = 0; i < n; ++i) {
-    const int row = bodies[static_cast<std::size_t>(i)].joint;
-    b(row) = -s.out[i];
-    for (int k = 0; k < n; ++k) M(row, bodies[static_cast<std::size_t>(k)].joint) = s.M(i, k);
+    const Body& body = bodies[static_cast<std::size_t>(i)];
+    const SimTK::MobilizedBody& node = system_->body(i);
+    S[static_cast<std::size_t>(i)] = node.getHCol(s.state, SimTK::MobilizerUIndex(0));
+    b(body.joint) = -s.out[i];
+    SimTK::SpatialVec h = matter.getCompositeBodyInertia(s.state, node.getMobilizedBodyIndex()) *
+                          S[static_cast<std::size_t>(i)];
+    SimTK::Vec3 origin = node.getBodyOriginLocation(s.state);
+    for (int k = i; k >= 0; k = bodies[static_cast<std::size_t>(k)].parent) {
+      const SimTK::Vec3& to = system_->body(k).getBodyOriginLocation(s.state);
+      h[0] += (origin - to) % h[1];
+      origin = to;
+      const int column = bodies[static_cast<std::size_t>(k)].joint;
+      M(body.joint, column) = M(column, body.joint) = ~S[static_cast<std::size_t>(k)] * h;
+    }
   }
   M.diagonal() += rotor_inertia;
   const Eigen::LLT<Eigen::Ref<JointMatrix>> L(M);
