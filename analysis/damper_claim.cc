@@ -45,11 +45,11 @@ Claim DamperClaim::Check(const Runs& all) const {
     };
     measured += (measured.empty() ? "" : "; ") + run.title + ": ";
     if (bound != DamperBound::Position)
-      is(Largest(of(kVelocity).cwiseAbs()) - damper.velocity_fraction * j.velocity, "rad/s",
-         "q̇⁺");
+      is(Largest(of(kVelocity).cwiseAbs()) - damper.velocity_fraction * j.velocity, "rad/s", "q̇⁺");
     if (bound != DamperBound::Speed && j.type != Joint::Type::Continuous) {
       const double d_s = damper.safety_distance * (j.upper - j.lower);
-      is(Largest((of(kPosition).array() - (j.upper - d_s)).max(j.lower + d_s - of(kPosition).array())),
+      is(Largest(
+             (of(kPosition).array() - (j.upper - d_s)).max(j.lower + d_s - of(kPosition).array())),
          "rad", "the d_s line");
     }
   }

@@ -96,8 +96,7 @@ ComplianceSupervisor::Memory ComplianceSupervisor::Next(const Memory& last,
   m.mode = asked;
   const double push = o_.norm == WrenchNorm::Force ? W.tail<3>().norm() : W.norm();
   // A push that is no number changes nothing.
-  m.yields = asked == ComplianceMode::Dual &&
-             (last.yields ? !(push < o_.leave) : push >= o_.enter);
+  m.yields = asked == ComplianceMode::Dual && (last.yields ? !(push < o_.leave) : push >= o_.enter);
   if (!last.started) {
     m.started = true;
     m.anchor = at.pose;

@@ -26,8 +26,9 @@ namespace pliant {
 /// The classical form, for comparison, depends on the sample δt and begins at the distance d_i:
 ///
 ///   ë_p = −(ė − ė_d)/δt,   ė_d = −ξ (e − d_s)/(d_i − d_s),   where e < d_i             (EC 15, 17)
-///   ξ = |ė| (d_i − d_s)/(e − d_s) + ξ₀   at the tick at which e falls below d_i, kept until it rises
-///   ë_v = −(ė − ė_min)/δt                                                                (EC 18)
+///   ξ = |ė| (d_i − d_s)/(e − d_s) + ξ₀   at the tick at which e falls below d_i, kept until it
+///   rises ë_v = −(ė − ė_min)/δt                                                                (EC
+///   18)
 ///
 /// Source: Celerier et al. 2025 (EC); λ = 100 1/s, M = 2, d_s = 1 % of the range as recommended
 /// there. Classical: Vaillant et al., Autonomous Robots 40(3), 2016; ξ, d_i and ξ₀ as in mc_rtc.
@@ -85,8 +86,7 @@ class JointDamper final : public Block {
     }
   };
   Approach Enter(const Approach& last, const RobotDynamics& d) const;
-  void BoundClassically(AccelerationBounds& out, const RobotDynamics& d,
-                        const Approach& xi) const;
+  void BoundClassically(AccelerationBounds& out, const RobotDynamics& d, const Approach& xi) const;
 
   const VelocityDamper law_;
   const double xi0_, step_;

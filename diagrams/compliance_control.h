@@ -52,10 +52,10 @@ struct PoseGains {
 
 /// The same of a posture.
 struct PostureGains {
-  JointMatrix stiffness = {};   ///< λ₂ [1/s²], a number or one for each joint; empty: 0
+  JointMatrix stiffness = {};  ///< λ₂ [1/s²], a number or one for each joint; empty: 0
   JointMatrix damping = JointMatrix::Constant(1, 1, 5);  ///< λ₁ [1/s], the same way
-  double weight = 1;            ///< w₀
-  JointMatrix compliance = {};  ///< Γ₀, as PostureTask has it
+  double weight = 1;                                     ///< w₀
+  JointMatrix compliance = {};                           ///< Γ₀, as PostureTask has it
 
   template <class F>
   void Parameters(F&& f) {

@@ -239,6 +239,106 @@ TEST(ComplianceControl, RefusesWhatItHasNoSensorFor) {
             "control.schedule: each mode begins after the one before it, got 1 s behind 1 s");
 }
 
+TEST(ComplianceControl, RefusesOptionsThatContradictEachOther) {
+  const auto error = [](const auto& change) {
+    Scenario scenario = Pushed(0, 0, TorqueEstimate::Observer);
+    change(std::get<ComplianceControl::Options>(scenario.controller));
+    return ErrorOf([&] { ScenarioDiagram scene(scenario); });
+  };
+  using Options = ComplianceControl::Options;
+  PoseSwing::Options swing;
+  swing.frequency_hz = 1;
+  PathPhase::Options scaling;
+  scaling.free = 0.01;
+  scaling.stop = 0.05;
+  EXPECT_EQ(error([&](Options& o) { o.modes.emplace(), o.reference = swing; }),
+            "control: modes, door and reference each say where the tool is to be; expected one, "
+            "got 2");
+  EXPECT_EQ(error([&](Options& o) { o.scaling = scaling; }),
+            "control: scaling is of a reference, and there is none");
+  EXPECT_EQ(error([&](Options& o) { o.reference = swing, o.pose.weight = 0; }),
+            "control: modes, reference and door move the tool, so pose.weight must be > 0, got 0");
+  EXPECT_EQ(error([&](Options& o) { o.pose.weight = -1; }),
+            "control: pose.weight must be >= 0, got -1");
+  EXPECT_EQ(error([&](Options& o) { o.posture.stiffness = JointMatrix::Ones(3, 1); }),
+            "control: posture.stiffness must be a number or one for each of the 7 joints, got 3 x "
+            "1");
+}
+
+/// A scenario with everything that a controller may have at once.
+TEST(ComplianceControl, KeepsEverythingItIsToldToAtOnceWithoutHeap) {
+  ComplianceControl::Options control;
+  control.tool = "FT_sensor_wrench";
+  control.estimate = TorqueEstimate::SuperTwistingFusion;
+  control.posture.compliance = JointMatrix::Constant(1, 1, 1);
+  PoseSwing::Options swing;
+  swing.way = {0.1, 0, -0.2};
+  swing.frequency_hz = 0.5;
+  control.reference = swing;
+  PathPhase::Options scaling;
+  scaling.free = 0.05;
+  scaling.stop = 0.1;
+  control.scaling = scaling;
+  control.collisions.emplace();
+  FrameSpeedLimit::Options speed;
+  speed.frame = "FT_sensor_wrench";
+  speed.linear = 0.2;
+  control.speed_limit = speed;
+  WorkspacePlanes::Options workspace;
+  workspace.frame = "FT_sensor_wrench";
+  workspace.planes = {{.normal = {0, 0, 1}, .point = {0, 0, 0.35}}};
+  control.workspace = {workspace};
+  ForceLimit::Options force;
+  force.frame = "FT_sensor_wrench";
+  force.force = 20;
+  force.stiffness = 2000;
+  control.force_limit = force;
+  const Scenario scenario = WithSensor(control, {PushOf("FT_sensor_wrench", {0, 10, 0}, 0.5)}, 2);
+  ScenarioDiagram scene(scenario);
+  const Diagram diagram = scene.builder.Build();
+  Simulator sim(diagram);
+  sim.AdvanceTo(0.2);
+  const Context snapshot = sim.Snapshot();
+  const long before = Allocations();
+  double lowest = 1, fastest = 0;
+  int given_up = 0;
+  for (int k = 0; k < 1800; ++k) {
+    sim.AdvanceThroughTick();
+    const FrameDynamics& tool = sim.Get(scene.arm->motion).frame[0];
+    lowest = std::min(lowest, tool.pose.position.z());
+    fastest = std::max(fastest, tool.twist.tail<3>().norm());
+    given_up += sim.Get(scene.control->report).outcome != Outcome::Solved;
+  }
+  EXPECT_EQ(Allocations() - before, 0);
+  EXPECT_EQ(given_up, 0);
+  EXPECT_GT(lowest, 0.35 - 1e-3) << "of a reference that goes 8 cm below";
+  EXPECT_LT(lowest, 0.36);
+  EXPECT_LT(fastest, 0.2 * 1.1);  // λ h = 0.1
+  const JointTorque first = sim.Get(scene.control->torque);
+  sim.Restore(snapshot);
+  for (int k = 0; k < 1800; ++k) sim.AdvanceThroughTick();
+  EXPECT_EQ(sim.Get(scene.control->torque), first);
+}
+
+TEST(ComplianceControl, LeavesAnArmInPositionModeWhereItStarts) {
+  Scenario scenario = Pushed(0, 0, TorqueEstimate::Observer);
+  scenario.schedule = {{.at_s = 0, .mode = ControlMode::Position}};
+  scenario.environment = {PushOf("tool_frame", {0, 0, -30}, 0.1)};
+  ScenarioDiagram scene(scenario);
+  const Diagram diagram = scene.builder.Build();
+  Simulator sim(diagram);
+  double furthest = 0;
+  for (int k = 0; k < 600; ++k) {
+    sim.AdvanceThroughTick();
+    furthest = std::max(
+        furthest,
+        (sim.Get(scene.arm->position) - StationOf(scenario).position).cwiseAbs().maxCoeff());
+  }
+  // 30 N at some 0.6 m against 4000 N·m/rad and more
+  EXPECT_LT(furthest, 30 * 0.9 / 4000);
+  EXPECT_GT(furthest, 1e-5);
+}
+
 TEST(ComplianceControl, TakesNothingFromTheHeapAndRepeatsItselfBitForBit) {
   ScenarioDiagram scene(Pushed(0.5, 1, TorqueEstimate::Observer));
   const Diagram diagram = scene.builder.Build();
