@@ -31,9 +31,7 @@ JointDamper::JointDamper(const Options& o)
       lower_{o.model.lower_limit() + Margin(o)},
       upper_{o.model.upper_limit() - Margin(o)},
       speed_{o.velocity_fraction * o.model.velocity_limit()},
-      influence_{(o.influence_distance - o.safety_distance) * RangeOf(o.model)},
-      approach_{
-          this, "approach", {}, {PerJoint::Zero(o.model.size()), PerJoint::Zero(o.model.size())}} {
+      influence_{(o.influence_distance - o.safety_distance) * RangeOf(o.model)} {
   RequireInRange("", o);
   if (o.form == Form::Proposed) {
     Compute(bounds).From(dynamics).As(&JointDamper::Bound);
@@ -41,8 +39,11 @@ JointDamper::JointDamper(const Options& o)
     Require(o.influence_distance > o.safety_distance,
             "influence_distance must be > safety_distance, " + Text(o.safety_distance),
             o.influence_distance);
-    Every(o.step).Compute(approach_).From(approach_, dynamics).As(&JointDamper::Enter);
-    Compute(bounds).From(dynamics, approach_).As(&JointDamper::BoundClassically);
+    const PerJoint none = PerJoint::Zero(o.model.size());
+    const Output<Approach>& approach =
+        approach_.emplace(this, "approach", Nothing{}, Approach{none, none});
+    Every(o.step).Compute(approach).From(approach, dynamics).As(&JointDamper::Enter);
+    Compute(bounds).From(dynamics, approach).As(&JointDamper::BoundClassically);
   }
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -90,9 +91,9 @@ class JointDamper final : public Block {
 
   const VelocityDamper law_;
   const double xi0_, step_;
-  const PerJoint lower_, upper_, speed_;  // with d_s taken off; ∓∞ for continuous joints
-  const PerJoint influence_;              // d_i − d_s; ∞ for continuous joints
-  Output<Approach> approach_;
+  const PerJoint lower_, upper_, speed_;      // with d_s taken off; ∓∞ for continuous joints
+  const PerJoint influence_;                  // d_i − d_s; ∞ for continuous joints
+  std::optional<Output<Approach>> approach_;  // of the classical form
 };
 
 }  // namespace pliant
