@@ -30,7 +30,6 @@ class PositionReference final : public Block {
         h_{seconds(o.period)},
         q_{this, "q", o.joints, o.start},
         v_{this, "v", o.joints} {
-    RequireOneForEach(o.joints, "start", o.start.size());
     const PeriodicEvent tick = Every(o.period);
     tick.Update(q_).From(q_, v_, acceleration).As(&PositionReference::Position);
     tick.Update(v_).From(v_, acceleration).As(&PositionReference::Velocity);

@@ -44,7 +44,7 @@ FrameDynamics WorkspacePlanes::Find(const RobotDynamics& d) const {
 }
 
 TaskVector WorkspacePlanes::Measure(const FrameDynamics& at) const {
-  TaskVector e(Count(o_));
+  TaskVector e(static_cast<Eigen::Index>(normals_.size()));
   for (int i = 0; i < e.size(); ++i)
     e(i) = normals_[static_cast<std::size_t>(i)].dot(at.pose.position) -
            offsets_[static_cast<std::size_t>(i)];

@@ -20,7 +20,10 @@ RunData Falling(double position, double velocity) {
   q.numbers = Eigen::RowVector3d(-2.56, -1, position);
   RecordedSignal v{{"arm.velocity", "velocity", {"[joint_4]"}, {"rad/s"}}, q.times, {}};
   v.numbers = Eigen::RowVector3d(-3, 0, velocity);
-  run.log = Recording({q, v}, {});
+  // whose rows are those of the log
+  RecordedSignal rows{{"arm.measured_position", "position", {"[joint_4]"}, {"rad"}}, q.times, {}};
+  rows.numbers = q.numbers;
+  run.log = Recording({q, v, rows}, {});
   return run;
 }
 

@@ -52,7 +52,9 @@ TEST(MovesAlong, ComparesTheWayAlongWithThatAcross) {
   claim.at_least = 0.1001;
   EXPECT_FALSE(claim.Check(Runs({&run})).holds);
   claim.direction.setZero();
-  EXPECT_EQ(ErrorOf([&] { claim.RequireFit({}); }), "the length of direction must be > 0, got 0");
+  const Scenario scenario;
+  EXPECT_EQ(ErrorOf([&] { claim.RequireFit(scenario); }),
+            "the length of direction must be > 0, got 0");
 }
 
 /// A handle at 0.4 m about an upright hinge through (0.1, 0, ·), turned by a force of 10 N along y
@@ -78,8 +80,8 @@ struct Door {
       joints.col(k) = q;
     }
     std::vector<std::string> names, units;
-    for (const std::string& name : model.joints()) {
-      names.push_back("[" + name + "]");
+    for (int i = 0; i < model.size(); ++i) {
+      names.push_back("[" + model.joint(i).name + "]");
       units.emplace_back("rad");
     }
     run = With(p, {Vectors("tool.twist", {"[wx]", "[wy]", "[wz]", "[vx]", "[vy]", "[vz]"},

@@ -44,7 +44,7 @@ TEST(PositionReference, RefusesAStartOfAnotherArm) {
   EXPECT_EQ(ErrorOf([] {
               PositionReference({.joints = Joints({"a", "b"}), .start = {0}, .period = 1ms});
             }),
-            "start has an element for each of the 2 joints, got 1");
+            "the value of 'position' has a number for each of (a, b), got 1");
 }
 
 }  // namespace
