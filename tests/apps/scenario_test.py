@@ -10,7 +10,7 @@ import command
 from command import SHORT, InFolder, main
 
 KEYS = ("title, summary, robot, station, payload, model_error, controller, schedule, environment, integrator, "
-        "duration_s, seed, log_period, repeat, runs, claims, figures")
+        "duration_s, seed, position_scatter, log_period, repeat, runs, claims, figures")
 CLAIM = """
 claims:
   - !{tag} {{id: a, source: nobody, paper: nothing, run: {run}}}
@@ -225,12 +225,12 @@ class Run(InFolder):
         told = self.ends(0, "log", "info", "out/logs/run.mcap")
         self.assertIn("pliant.run  whole: 0\n", told)
         self.assertRegex(told, r"statistics rows: 20\d\n")
-        self.assertIn("identical: 8 signals", self.ends(0, "replay", "out/logs/run.mcap"))
+        self.assertIn("identical: 10 signals", self.ends(0, "replay", "out/logs/run.mcap"))
 
     def test_is_replayed_bit_for_bit(self):
         self.run_short()
         self.assertEqual(self.ends(0, "replay", "out/logs/run.mcap"),
-                         "identical: 8 signals over 101 rows, 0 s to 0.1 s\n")
+                         "identical: 10 signals over 101 rows, 0 s to 0.1 s\n")
         self.assertIn("identical: 1 signal over 101 rows",
                       self.ends(0, "replay", "out/logs/run.mcap", "--part", "control.estimate.observer"))
         self.refuses("out/logs/run.mcap: the diagram has no part 'contro'; did you mean 'control'?",
@@ -246,7 +246,7 @@ class Run(InFolder):
         self.ends(0, "log", "repair", "told.mcap", "other.mcap")
         done = self.pliant("replay", "other.mcap")
         self.assertEqual(done.returncode, 1)
-        self.assertRegex(done.stdout, r"^different: \d of 8 signals over 101 rows, 0 s to 0.1 s\n")
+        self.assertRegex(done.stdout, r"^different: \d of 10 signals over 101 rows, 0 s to 0.1 s\n")
         self.assertIn("control.torque[joint_1] (N·m)", done.stdout)
 
     def test_with_a_log_that_lacks_ticks_says_so_in_its_replay(self):
