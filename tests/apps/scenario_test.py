@@ -231,7 +231,7 @@ class Run(InFolder):
         self.run_short()
         self.assertEqual(self.ends(0, "replay", "out/logs/run.mcap"),
                          "identical: 10 signals over 101 rows, 0 s to 0.1 s\n")
-        self.assertIn("identical: 1 signal over 101 rows",
+        self.assertIn("identical: 2 signals over 101 rows",
                       self.ends(0, "replay", "out/logs/run.mcap", "--part", "control.estimate.observer"))
         self.refuses("out/logs/run.mcap: the diagram has no part 'contro'; did you mean 'control'?",
                      "replay", "out/logs/run.mcap", "--part", "contro")
