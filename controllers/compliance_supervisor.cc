@@ -1,9 +1,9 @@
 #include "pliant/controllers/compliance_supervisor.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
+#include "pliant/controllers/rotation.h"
 #include "pliant/systems/elements.h"
 
 namespace pliant {
@@ -23,9 +23,8 @@ TaskVector Same(double x) { return TaskVector::Constant(6, x); }
 
 /// [log(R R°ᵀ); p − p°]
 Vector6 Away(const Pose& X, const Pose& target) {
-  const Eigen::AngleAxisd turn(X.rotation * target.rotation.transpose());
   Vector6 e;
-  e << turn.angle() * turn.axis(), X.position - target.position;
+  e << internal::Log(X.rotation * target.rotation.transpose()), X.position - target.position;
   return e;
 }
 

@@ -1,8 +1,8 @@
 #include "pliant/controllers/frame_force.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-#include <algorithm>
+
+#include "pliant/controllers/bounded_inertia.h"
 
 namespace pliant {
 
@@ -14,14 +14,7 @@ Vector6 FrameForce(const RobotDynamics& d, const FrameDynamics& frame,
   M.matrixL().solveInPlace(root);  // J M⁻¹ Jᵀ = rootᵀ root
   const Eigen::Matrix<double, 6, 6> K = root.transpose().lazyProduct(root);
   const Vector6 pushed = frame.J.lazyProduct(qdd_e);
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> eigen(K);
-  const double k0 = 2 / inertia_limit;
-  const auto inverse = [k0](double k) {
-    return k >= k0 ? 1 / k : (2 * k0 - std::max(k, 0.0)) / (k0 * k0);
-  };
-  const Vector6 in_axes = eigen.eigenvectors().transpose() * pushed;
-  const Vector6 inverses = eigen.eigenvalues().unaryExpr(inverse);
-  return eigen.eigenvectors() * inverses.cwiseProduct(in_axes);
+  return internal::BoundedInertia(K, pushed, 2 / inertia_limit);
 }
 
 }  // namespace pliant

@@ -1,11 +1,12 @@
 #include "pliant/controllers/frame_task.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <cmath>
 #include <numbers>
 
+#include "pliant/controllers/bounded_inertia.h"
+#include "pliant/controllers/rotation.h"
 #include "pliant/systems/elements.h"
 
 namespace pliant {
@@ -53,12 +54,6 @@ Vector3d FreeTurn(const Eigen::Ref<const Eigen::Matrix<double, Eigen::Dynamic, 6
   if (eigen.eigenvalues()(0) > kNothing || eigen.eigenvalues()(1) <= kNothing)
     return Vector3d::Zero();
   return eigen.eigenvectors().col(0);
-}
-
-/// log of a rotation as a vector: the axis times the angle.
-Vector3d Log(const Matrix3d& R) {
-  const Eigen::AngleAxisd turn(R);
-  return turn.angle() * turn.axis();
 }
 
 /// The shortest turn that takes one direction to another; opposite ones have many.
@@ -190,7 +185,7 @@ TaskVector FrameTask::Selected(const Vector6& x) const {
 TaskVector FrameTask::Error(const FrameDynamics& now, const Pose& X) const {
   const Matrix3d& R = now.pose.rotation;
   Vector6 e;
-  e << (free_.isZero(0) ? Log(R * X.rotation.transpose())
+  e << (free_.isZero(0) ? internal::Log(R * X.rotation.transpose())
                         : ShortestTurn(X.rotation * free_, R * free_)),
       now.pose.position - X.position;
   return Selected(axes_ == Axes::Frame ? Turned(R, e) : e);
@@ -257,19 +252,7 @@ TaskVector FrameTask::AccelerationBy(const TaskMatrix& Y, const RobotDynamics& d
   K.topLeftCorner(rows_, rows_) = root.transpose().lazyProduct(root);
   Vector6 x = Vector6::Zero();
   x.head(rows_) = pushed;
-  // K − k₀ 1 has a factorization if no eigenvalue is below k₀; then Λ is exact.
-  const Eigen::Matrix<double, 6, 6> margin = K - k0_ * Eigen::Matrix<double, 6, 6>::Identity();
-  if (margin.llt().info() == Eigen::Success) {
-    const Vector6 force = K.llt().solve(x);
-    return Y.lazyProduct(force.head(rows_));
-  }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> eigen(K);
-  const auto inverse = [this](double k) {
-    return k >= k0_ ? 1 / k : (2 * k0_ - std::max(k, 0.0)) / (k0_ * k0_);
-  };
-  const Vector6 in_axes = eigen.eigenvectors().transpose() * x;
-  const Vector6 force =
-      eigen.eigenvectors() * Vector6(eigen.eigenvalues().unaryExpr(inverse)).cwiseProduct(in_axes);
+  const Vector6 force = internal::BoundedInertia(K, x, k0_);
   return Y.lazyProduct(force.head(rows_));
 }
 

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "pliant/controllers/course.h"
+#include "pliant/controllers/rotation.h"
 
 namespace pliant {
 
@@ -14,11 +15,6 @@ namespace {
 using Eigen::Vector3d;
 using internal::Course;
 using internal::LeastJerk;
-
-Vector3d Log(const Eigen::Matrix3d& R) {
-  const Eigen::AngleAxisd turn(R);
-  return turn.angle() * turn.axis();
-}
 
 /// s of the way d and the turn φ from X.
 PoseMotion Along(const Pose& X, const Vector3d& d, const Vector3d& phi, const Course& c) {
@@ -49,7 +45,7 @@ void RequireTimedPoses(const std::string& name, const std::vector<TimedPose>& po
     const TimedPose &a = poses[i - 1], &b = poses[i];
     Require(a.time_s < b.time_s, name + " are in order of time: behind " + Text(a.time_s) + " s",
             Text(b.time_s) + " s");
-    const double angle = Log(b.pose.rotation * a.pose.rotation.transpose()).norm();
+    const double angle = internal::Log(b.pose.rotation * a.pose.rotation.transpose()).norm();
     Require(angle <= most, "neighbouring " + name + " are " + apart + " apart",
             Text(angle) + " rad");
   }
@@ -89,7 +85,8 @@ PoseMotion PoseWaypoints::At(double t) const {
   const Waypoint& a = after == waypoints_.begin() ? b : *std::prev(after);
   const double T = b.time_s > a.time_s ? b.time_s - a.time_s : 1;
   return Along(a.pose, b.pose.position - a.pose.position,
-               Log(b.pose.rotation * a.pose.rotation.transpose()), LeastJerk(t - a.time_s, T));
+               internal::Log(b.pose.rotation * a.pose.rotation.transpose()),
+               LeastJerk(t - a.time_s, T));
 }
 
 PoseTable::PoseTable(const Options& o) {
