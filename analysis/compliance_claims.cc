@@ -91,6 +91,12 @@ void RequireEveryTick(const Scenario& scenario) {
           log.text());
 }
 
+/// With positions commanded, the controller's error is that of its reference, not of the arm.
+void RequireTorque(const Scenario& scenario) {
+  Require(std::get<ComplianceControl::Options>(scenario.controller).command == ArmCommand::Torque,
+          "controller.command must be torque: with positions, control.pose_error is not the arm's");
+}
+
 }  // namespace
 
 Series PredictedError(const RunData& run) {
@@ -108,7 +114,10 @@ Series StaticError(const RunData& run) {
          o.pose.stiffness;
 }
 
-void StandsStill::RequireFit(const Scenario& scenario) const { RequireEveryTick(scenario); }
+void StandsStill::RequireFit(const Scenario& scenario) const {
+  RequireEveryTick(scenario);
+  RequireTorque(scenario);
+}
 
 Claim StandsStill::Check(const Runs& runs) const {
   const RunData& of = runs[run];
@@ -126,7 +135,10 @@ Claim StandsStill::Check(const Runs& runs) const {
       shift < bound && (real || turn < bound));
 }
 
-void HoldsTool::RequireFit(const Scenario& scenario) const { RequireEveryTick(scenario); }
+void HoldsTool::RequireFit(const Scenario& scenario) const {
+  RequireEveryTick(scenario);
+  RequireTorque(scenario);
+}
 
 Claim HoldsTool::Check(const Runs& runs) const {
   const RunData& of = runs[run];

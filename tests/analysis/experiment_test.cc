@@ -119,6 +119,14 @@ TEST(ExperimentFile, RefusesClaimsAboutWhatIsNotThere) {
       "e.yaml: claim 'a': there is no !Push in the environment of its run");
 }
 
+TEST(ExperimentFile, RefusesClaimsAboutTheControllersErrorWherePositionsAreCommanded) {
+  for (const char* claim : {"!StandsStill", "!HoldsTool"})
+    EXPECT_EQ(ErrorWith(Claimed(std::string(claim) + " {" + kStated + ", run: full}"),
+                        {{"controller.command", "position"}}),
+              "e.yaml: claim 'a': controller.command must be torque: with positions, "
+              "control.pose_error is not the arm's");
+}
+
 TEST(ExperimentFile, RefusesLogsThatAreTooCoarseForItsClaims) {
   const auto coarse = [](const std::string& claim) {
     return ErrorWith(Claimed(claim), {{"log_period", "10 ms"}});
