@@ -6,9 +6,11 @@
 #include <variant>
 #include <vector>
 
+#include "pliant/analysis/accuracy_claims.h"
 #include "pliant/analysis/bar_figure.h"
 #include "pliant/analysis/bound_claim.h"
 #include "pliant/analysis/compliance_claims.h"
+#include "pliant/analysis/contact_limits.h"
 #include "pliant/analysis/damper_claim.h"
 #include "pliant/analysis/difference_claim.h"
 #include "pliant/analysis/equivalence_claim.h"
@@ -41,10 +43,11 @@ struct RunOf {
 /// `RequireFit` of a run's scenario, `RequireSound` of what it will record, `RequireRepetitions`.
 using ClaimCheck =
     std::variant<StandsStill, HoldsTool, YieldsAsInertia, KeepsLimits, DamperClaim, MovesAlong,
-                 KeepsDoor, BoundClaim, OrderClaim, DifferenceClaim, EquivalenceClaim>;
+                 KeepsDoor, FollowsAsWell, ComesAsNear, KeepsContactLimits, BoundClaim, OrderClaim,
+                 DifferenceClaim, EquivalenceClaim>;
 /// `Draw` makes the figure of the first repetition's runs, or of the numbers `Wanted` in each.
 using FigureOf = std::variant<VelocityFigure, PredictionFigure, LimitFigure, SignalFigure,
-                              PhaseFigure, PathFigure, BarFigure>;
+                              NormFigure, PhaseFigure, PathFigure, BarFigure>;
 
 /// A file that can be run: a scenario, its runs, the claims to check and the figures to draw.
 struct Experiment {

@@ -7,6 +7,7 @@
 
 #include "pliant/analysis/compliance_claims.h"
 #include "pliant/analysis/series.h"
+#include "pliant/analysis/signal_number.h"
 
 namespace pliant {
 
@@ -158,6 +159,30 @@ Figure SignalFigure::Draw(const Runs& all) const {
              .y = Vector(signal.numbers.row(static_cast<Eigen::Index>(i)).transpose())});
       figure.panels.push_back(std::move(panel));
     }
+  }
+  return figure;
+}
+
+void NormFigure::RequireSound(const Recording& recorded) const {
+  for (const std::string& path : signals) SignalNumber{.signal = path}.RequireSound(recorded[path]);
+}
+
+Figure NormFigure::Draw(const Runs& all) const {
+  Figure figure{.name = name, .caption = caption};
+  for (const std::string& path : signals) {
+    const SignalNumber number{.signal = path};
+    const RecordedSignal& first = all[runs.front()].log[path];
+    Panel panel;
+    panel.x.label = "time [s]";
+    panel.left.label = "‖" + path + "‖ [" + number.unit(first) + "]";
+    panel.left.logarithmic = logarithmic;
+    panel.x_bands = ContactBands(all[runs.front()].scenario);
+    for (const std::string& run : runs) {
+      const RecordedSignal& signal = all[run].log[path];
+      panel.curves.push_back(
+          {.label = all[run].title, .x = Vector(signal.times), .y = Vector(Norms(signal.numbers))});
+    }
+    figure.panels.push_back(std::move(panel));
   }
   return figure;
 }

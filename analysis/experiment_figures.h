@@ -85,4 +85,26 @@ struct SignalFigure {
   Figure Draw(const Runs& runs) const;
 };
 
+/// The norms of signals over time, a curve for each run: one panel for each signal.
+struct NormFigure {
+  static constexpr const char* kTag = "Norms";
+  std::string name, caption;
+  std::vector<std::string> runs, signals;
+  bool logarithmic = false;  ///< the norms' axis
+
+  template <class F>
+  void Parameters(F&& f) {
+    f("name", name);
+    f("caption", caption);
+    f("runs", runs);
+    f("signals", signals);
+    f("logarithmic", logarithmic);
+  }
+  std::string file() const { return name; }
+  void RequireFit(const Scenario&) const { RequireFileName(name); }
+  /// Throws Error if the elements of a signal have different units.
+  void RequireSound(const Recording& recorded) const;
+  Figure Draw(const Runs& runs) const;
+};
+
 }  // namespace pliant

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "pliant/analysis/contact_limits.h"
 #include "pliant/analysis/export.h"
 #include "pliant/analysis/mcap_reader.h"
 #include "pliant/analysis/mcap_repair.h"
@@ -11,6 +12,7 @@
 #include "pliant/analysis/replay.h"
 #include "pliant/analysis/run_data.h"
 #include "pliant/apps/commands.h"
+#include "pliant/systems/nearest_name.h"
 
 namespace pliant {
 
@@ -23,6 +25,8 @@ struct Told {
   fs::path log, to;
   std::string part = "control";
   std::vector<std::string> signals;
+  std::string contact, body;
+  double area_cm2 = 0, threshold = KeepsContactLimits{}.threshold;
   bool force = false;
 };
 
@@ -91,6 +95,36 @@ int Repair(const Told& told) {
   return 0;
 }
 
+BodyArea BodyAreaOf(const std::string& word) {
+  const std::vector<std::string>& words = Words(BodyArea{});
+  const auto found = std::ranges::find(words, word);
+  if (found != words.end()) return static_cast<BodyArea>(found - words.begin());
+  std::string known;
+  for (const std::string& other : words) known += (known.empty() ? "" : ", ") + other;
+  throw Error("--body: there is no '" + word + "'" + DidYouMean(word, words) +
+              "\n  known: " + known);
+}
+
+int HoldAgainstLimits(const Told& told) {
+  RequireInRange("", "--area-cm2", told.area_cm2, "cm²", kNotNegative);
+  RequireInRange("", "--threshold", told.threshold, "N", kPositive);
+  const KeepsContactLimits limits{.claim = {},
+                                  .run = {},
+                                  .contact = told.contact,
+                                  .body = BodyAreaOf(told.body),
+                                  .area = 1e-4 * told.area_cm2,
+                                  .threshold = told.threshold};
+  const Recording log = Recording::Read(told.log);
+  try {
+    const Claim claim = limits.Judge(log[told.contact]);
+    std::printf("%s\n%s: %s\nsource: %s\n", claim.measured.c_str(), claim.criterion.c_str(),
+                claim.holds ? "yes" : "no", claim.basis.c_str());
+    return claim.holds ? 0 : 1;
+  } catch (const Error& e) {
+    throw Error(told.log.string() + ": " + e.what());
+  }
+}
+
 }  // namespace
 
 void AddLogCommands(CLI::App& app, std::vector<Command>& commands) {
@@ -124,6 +158,15 @@ void AddLogCommands(CLI::App& app, std::vector<Command>& commands) {
           "pliant log repair cut.mcap whole.mcap", Repair);
   repair->add_option("file", told->to, "the new log")->required();
   repair->add_flag("--force", told->force, "write over a file that is there");
+  CLI::App* contacts = add(*log, "contacts", "Holds the forces of a contact against ISO/TS 15066",
+                           "pliant log contacts out/logs/stiff.mcap --signal push_1.force --body "
+                           "palm_nd --area-cm2 1",
+                           HoldAgainstLimits);
+  contacts->add_option("--signal", told->contact, "path of a contact or of a wrench")->required();
+  contacts->add_option("--body", told->body, "what is touched, such as palm_nd")->required();
+  contacts->add_option("--area-cm2", told->area_cm2, "of the contact, for pressures");
+  contacts->add_option("--threshold", told->threshold, "below which nothing touches, in N")
+      ->capture_default_str();
 }
 
 }  // namespace pliant

@@ -51,6 +51,22 @@ TEST(VelocityFigure, AddsTheForcesOfAllContactsAndShadesHolds) {
   EXPECT_GT(largest_of_hand, 0);
 }
 
+TEST(NormFigure, DrawsACurveForEachRun) {
+  const RunsReport of = Drawn(
+      "figures: [!Norms {name: n, caption: c, runs: [stiff, full], signals: [control.torque, "
+      "arm.velocity], logarithmic: true}]\n");
+  const Figure& figure = of.report.figures.at(0);
+  ASSERT_EQ(figure.panels.size(), 2u);
+  const Panel& panel = figure.panels[0];
+  EXPECT_EQ(panel.left.label, "‖control.torque‖ [N·m]");
+  EXPECT_TRUE(panel.left.logarithmic);
+  ASSERT_EQ(panel.curves.size(), 2u);
+  EXPECT_EQ(panel.curves[1].label, of.runs()["full"].title);
+  const Eigen::MatrixXd& torque = of.runs()["full"]["control.torque"];
+  for (const std::size_t k : {std::size_t{0}, panel.curves[1].y.size() - 1})
+    EXPECT_DOUBLE_EQ(panel.curves[1].y[k], torque.col(static_cast<Eigen::Index>(k)).norm());
+}
+
 // λ/(4M²) (q⁺ − d_s − q), with other M in the two runs; the arm stands near no other limit.
 TEST(PhaseFigure, DrawsTheBoundsAndWhereEachDamperBegins) {
   const RunsReport of =

@@ -193,6 +193,9 @@ TEST(ExperimentFile, RefusesFiguresThatCannotBeDrawn) {
   EXPECT_EQ(signals("n", "[arm.energy]"), "no error");
   EXPECT_EQ(signals("n", "[]"), "e.yaml: figure !Signals: it shows no signal");
   EXPECT_THAT(signals("n", "[arm.enery]"), HasSubstr("did you mean 'arm.energy'?"));
+  EXPECT_EQ(figures("!Norms {name: n, caption: c, runs: [full], signals: [control.contact]}"),
+            "e.yaml: figure !Norms: the elements of control.contact are in [N·m] and in [N]; name "
+            "elements of one unit");
   EXPECT_EQ(signals("a b", "[arm.energy]"),
             "e.yaml: figure !Signals: its name, which names its file, has letters, digits, '_' "
             "and '-', got 'a b'");

@@ -127,5 +127,34 @@ class Export(InFolder):
         self.ends(0, "export", self.log, "there.csv", "--force")
 
 
+class Contacts(InFolder):
+    def setUp(self):
+        super().setUp()
+        self.run_short()
+
+    def contacts(self, *words):
+        return ("log", "contacts", "out/logs/run.mcap", *words)
+
+    def test_are_held_against_what_a_hand_bears(self):
+        self.assertEqual(self.ends(0, *self.contacts("--signal", "push_1.force", "--body", "palm_nd", "--area-cm2", 1)),
+                         "1 contact of push_1.force; transient 30.0 N of 280 N, 30.0 N/cm² of 520 N/cm²\n"
+                         "within the limits of palm_nd (hands and fingers): yes\n"
+                         "source: ISO/TS 15066:2016, table A.2; transient: the first half second\n")
+
+    def test_that_pass_a_limit_end_with_1(self):
+        done = self.pliant(*self.contacts("--signal", "push_1.force", "--body", "temple"))
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("transient 30.0 N, where none is permitted\n", done.stdout)
+
+    def test_that_are_none_are_named(self):
+        self.assertIn("pliant: --body: there is no 'palm_n'; did you mean 'palm_d'?\n  known: middle_of_forehead, temple",
+                      self.ends(2, *self.contacts("--signal", "push_1.force", "--body", "palm_n")))
+        self.refuses("out/logs/run.mcap: arm.position has no force: expected a contact or a wrench, with elements "
+                     "force[x], … or fx, …; it is a joint position",
+                     *self.contacts("--signal", "arm.position", "--body", "palm_d"))
+        self.refuses("--area-cm2 must be >= 0 cm², got -1",
+                     *self.contacts("--signal", "push_1.force", "--body", "palm_d", "--area-cm2", "-1"))
+
+
 if __name__ == "__main__":
     main()
