@@ -6,6 +6,7 @@
 #include "pliant/controllers/frame_task.h"
 #include "pliant/controllers/position_reference.h"
 #include "pliant/controllers/posture_task.h"
+#include "pliant/controllers/torque_error.h"
 #include "pliant/plants/model_dynamics.h"
 #include "pliant/systems/constant.h"
 
@@ -133,6 +134,8 @@ ComplianceControl::ComplianceControl(const Options& o)
       wrench{this, "wrench", {}, Wrench()},
       torque{this, "torque", o.model.joints()},
       current{this, "current", o.model.joints()},
+      torque_error{this, "torque_error", o.model.joints()},
+      saturated{this, "saturated"},
       position{this, "position", o.model.joints()},
       acceleration{this, "acceleration", o.model.joints()},
       external_torque{this, "external_torque", o.model.joints()},
@@ -141,6 +144,7 @@ ComplianceControl::ComplianceControl(const Options& o)
       yields{this, "yields"},
       distance{this, "distance", PairsOf(o)},
       door{this, "door"},
+      target{this, "target"},
       pose_error{this, "pose_error"},
       pose_error_rate{this, "pose_error_rate"},
       posture_error{this, "posture_error", o.model.joints()},
@@ -262,6 +266,11 @@ ComplianceControl::ComplianceControl(const Options& o)
   Connect(damper.bounds, qp.bounds);
   for (const Output<AccelerationRows>* limit : rows) Connect(*limit, qp.rows);
 
+  // Where the tool is to be, for the pose task and for who looks on.
+  const auto aim = [&](const Output<Pose>& at) {
+    Connect(at, pose.target);
+    Connect(at, target);
+  };
   if (o.modes) {
     auto& schedule = Add<ComplianceSchedule>("schedule", {.modes = *o.modes, .period = o.period});
     ComplianceSupervisor::Options modes = o.modes->supervisor;
@@ -272,7 +281,7 @@ ComplianceControl::ComplianceControl(const Options& o)
     Connect(schedule.dynamic, supervisor.dynamic);
     Connect(estimate.contact, supervisor.contact);
     Connect(pose.frame, supervisor.tool);
-    Connect(supervisor.target, pose.target);
+    aim(supervisor.target);
     Connect(supervisor.target_twist, pose.target_twist);
     Connect(supervisor.target_acceleration, pose.target_acceleration);
     Connect(supervisor.pose_stiffness, pose.stiffness);
@@ -291,6 +300,8 @@ ComplianceControl::ComplianceControl(const Options& o)
   Require(sources <= 1, "modes, door and reference each say where the tool is to be; expected one",
           sources);
   Require(!o.scaling || o.reference, "scaling is of a reference, and there is none");
+  if (sources == 0)
+    Connect(Add<Constant<Pose>>("target", {.value = start.frame[0].pose}).y, target);
   if (o.reference) {
     PoseReference& reference = std::visit(
         [&]<class Options>(const Options& options) -> PoseReference& {
@@ -299,7 +310,7 @@ ComplianceControl::ComplianceControl(const Options& o)
           return Add<Reference>("reference_pose", InWorld(start.frame[0].pose, options));
         },
         *o.reference);
-    Connect(reference.pose, pose.target);
+    aim(reference.pose);
     Connect(reference.twist, pose.target_twist);
     Connect(reference.acceleration, pose.target_acceleration);
     if (o.scaling) {
@@ -321,7 +332,7 @@ ComplianceControl::ComplianceControl(const Options& o)
     Connect(dynamics.dynamics, hinge.dynamics);
     if (o.estimate != TorqueEstimate::Zero)
       Connect(external.acceleration, hinge.external_acceleration);
-    Connect(hinge.pose, pose.target);
+    aim(hinge.pose);
     Connect(hinge.twist, pose.target_twist);
     Connect(hinge.acceleration, pose.target_acceleration);
     Connect(hinge.mobility, pose.mobility);
@@ -343,16 +354,34 @@ ComplianceControl::ComplianceControl(const Options& o)
   Connect(posture.error, posture_error);
   Connect(qp.report, report);
   if (o.low_level) {
-    auto& low_level = Add<LowLevelTorque>("low_level", *o.low_level);
+    TorqueLoop& low_level = std::visit(
+        [&](const auto& choice) -> TorqueLoop& {
+          const auto options = TorqueLoopOf(*o.low_level, choice);
+          using Loop =
+              typename BlockOf<LowLevelTorque, KinovaHighVelocityTorque, KinovaDampedTorque>::
+                  template type<std::remove_cv_t<decltype(options)>>;
+          return Add<Loop>("low_level", options);
+        },
+        o.torque_loop);
     Connect(qp.torque, low_level.torque);
     Connect(qp.acceleration, low_level.acceleration);
     Connect(measured_velocity, low_level.measured_velocity);
     Connect(measured_torque, low_level.measured_torque);
     Connect(low_level.current, current);
+    Connect(low_level.error, torque_error);
+    Connect(low_level.saturated, saturated);
   } else {
+    const PerJoint rotors =
+        o.rotor_inertia.size() > 0 ? o.rotor_inertia : PerJoint(PerJoint::Zero(n));
+    auto& miss = Add<TorqueError>("torque_error", {.joints = joints, .reflected_inertia = rotors});
+    Connect(qp.torque, miss.wanted);
+    Connect(qp.acceleration, miss.acceleration);
+    Connect(measured_torque, miss.measured);
+    Connect(miss.error, torque_error);
     auto& none = Add<Constant<MotorCurrent>>(
         "low_level", {.space = joints, .value = MotorCurrent::Zero(joints)});
     Connect(none.y, current);
+    Connect(Add<Constant<JointBits>>("saturated", {.value = 0}).y, saturated);
   }
 }
 

@@ -13,12 +13,12 @@
 #include "pliant/controllers/force_limit.h"
 #include "pliant/controllers/frame_speed_limit.h"
 #include "pliant/controllers/joint_damper.h"
-#include "pliant/controllers/low_level_torque.h"
 #include "pliant/controllers/path_phase.h"
 #include "pliant/controllers/pose_reference.h"
 #include "pliant/controllers/virtual_door.h"
 #include "pliant/controllers/workspace_planes.h"
 #include "pliant/diagrams/external_torque_estimate.h"
+#include "pliant/diagrams/torque_loop_choice.h"
 #include "pliant/systems/composite.h"
 
 namespace pliant {
@@ -130,7 +130,8 @@ class ComplianceControl final : public Composite {
     JointPosition position;  ///< at the start: the posture and the pose to hold
     PerJoint rotor_inertia;  ///< B, reflected [kg·m²]; empty: none
     Duration period = 1ms;   ///< of the arm's interface
-    /// Makes currents of the torques; without, `current` stays zero.
+    /// The motors that `torque_loop` makes currents for; its gains replace theirs. Without,
+    /// `current` stays zero.
     std::optional<LowLevelTorque::Options> low_level = {};
     std::optional<WristTool> wrist = {};  ///< the sensor, if there is one
 
@@ -150,6 +151,7 @@ class ComplianceControl final : public Composite {
     std::vector<WorkspacePlanes::Options> workspace = {};
     std::optional<ForceLimit::Options> force_limit = {};  ///< of the wrist sensor's contact
     ArmCommand command = ArmCommand::Torque;
+    TorqueLoopChoice torque_loop = {};
 
     template <class F>
     void Parameters(F&& f) {
@@ -169,6 +171,7 @@ class ComplianceControl final : public Composite {
       f("workspace", workspace);
       f("force_limit", force_limit);
       f("command", command);
+      f("torque_loop", torque_loop);
     }
   };
 
@@ -181,6 +184,8 @@ class ComplianceControl final : public Composite {
   Input<Wrench> wrench;            ///< of the wrist sensor; 0 if not connected
   Output<JointTorque> torque;      ///< τ_d
   Output<MotorCurrent> current;
+  Output<JointTorque> torque_error;        ///< τ_d − B q̈_d − τ, behind the gears
+  Output<JointBits> saturated;             ///< joints whose current is cut
   Output<JointPosition> position;          ///< of the reference; measured with the command Torque
   Output<JointAcceleration> acceleration;  ///< q̈_d
   Output<JointTorque> external_torque;     ///< τ̂_e
@@ -189,6 +194,7 @@ class ComplianceControl final : public Composite {
   Output<bool> yields;                     ///< the supervisor, in the mode Dual
   Output<PairDistances> distance;          ///< of what is kept apart
   Output<DoorMotion> door;
+  Output<Pose> target;           ///< of the tool, in the world
   Output<PoseError> pose_error;  ///< these three of the reference, with the command Position
   Output<Twist> pose_error_rate;
   Output<JointPosition> posture_error;

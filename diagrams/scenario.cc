@@ -247,9 +247,10 @@ ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<Recor
          arm->measured_current, arm->wrench, arm->status, arm->position, arm->velocity,
          arm->joint_torque, arm->energy, tool.position, tool.twist, true_torque->torque,
          schedule.mode);
-  record(control->torque, control->current, control->position, control->acceleration,
-         control->external_torque, control->residual, control->contact, control->pose_error,
-         control->pose_error_rate, control->posture_error, control->report);
+  record(control->torque, control->current, control->torque_error, control->saturated,
+         control->target, control->position, control->acceleration, control->external_torque,
+         control->residual, control->contact, control->pose_error, control->pose_error_rate,
+         control->posture_error, control->report);
   if (controller.collisions) record(control->distance);
   if (controller.door) record(control->door);
   if (controller.modes) record(control->yields);

@@ -103,6 +103,7 @@ LowLevelTorque::Options LowLevelTorqueOf(const ArmActuators& actuators, const Ro
   return {.joints = model.joints(),
           .torque_per_ampere = actuators.torque_per_ampere(),
           .reflected_inertia = actuators.reflected_inertia(),
+          .current_limit = FiguresOf(actuators.joint, &ActuatorParameters::current_limit),
           .friction = {.joints = model.joints(),
                        .coulomb = figure(&FrictionParameters::coulomb),
                        .viscous = figure(&FrictionParameters::viscous),

@@ -37,7 +37,8 @@ SimulatedArm::Options SimulatedGen3(const RobotModel& model, const StationOption
 SimulatedArm::Options SimulatedLwr(const RobotModel& model, const StationOptions& o);
 
 /// The torque loop of Muraccioli et al. 2025 (RSS) for these actuators, friction known: λ = 5,
-/// K_I = 10, θ = 2 s, thresholds 0.1 rad/s and 1 rad/s², leak clamped to 5 % of the torque limits.
+/// K_I = 10, θ = 2 s, thresholds 0.1 rad/s and 1 rad/s², leak clamped to 5 % of the torque limits,
+/// currents cut where the motors' are.
 LowLevelTorque::Options LowLevelTorqueOf(const ArmActuators& actuators, const RobotModel& model,
                                          Duration period);
 

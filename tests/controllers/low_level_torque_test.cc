@@ -77,8 +77,52 @@ TEST(LowLevelTorque, SwitchesItsPartsOff) {
   EXPECT_EQ(t.Get(t->current), Eigen::Vector2d(2, -1));
 }
 
+TEST(LowLevelTorque, SwitchesItsFeedforwardsOff) {
+  LowLevelTorque::Options o = Options();
+  o.lag_gain = o.leak_gain = 0;
+  const auto torque = [&] {
+    BlockTester<LowLevelTorque> t(o);
+    t.Set(t->torque, {20, -8});
+    t.Set(t->acceleration, {5, -2});
+    t.Set(t->measured_velocity, {1, -1});
+    t.Set(t->measured_torque, {0, 0});
+    return Eigen::Vector2d(t.Get(t->current).cwiseProduct(o.torque_per_ampere));
+  };
+  const Eigen::Vector2d all = torque(), friction(3 + 2.4, -1.25 - 1.1), rotors(0.4 * 5, -0.22 * 2);
+  o.friction_feedforward = false;
+  EXPECT_LT((all - torque() - friction).norm(), 1e-14);
+  o.friction_feedforward = true;
+  o.rotor_feedforward = false;
+  EXPECT_LT((all - torque() - rotors).norm(), 1e-14);
+}
+
+TEST(LowLevelTorque, IntegratesNothingThatDrivesACutCurrentFurther) {
+  LowLevelTorque::Options o = Options();
+  o.lag_gain = 0;
+  o.leak_limit = {100, 100};
+  o.current_limit = {2, 2};
+  BlockTester<LowLevelTorque> t(o);
+  t.Set(t->acceleration, {0, 0});
+  t.Set(t->measured_velocity, {0, 0});
+  t.Set(t->torque, {40, 2});
+  t.Set(t->measured_torque, {22, 1});
+  t.AdvanceTo(5);
+  EXPECT_EQ(t.Get(t->saturated), 1U);
+  EXPECT_EQ(t.Get(t->current)(0), 2);
+  EXPECT_GT(7.6 * t.Get(t->current)(1), 2 + 5);  // the other joint integrates its 1 N·m
+  // Below its limit again the current is τ_d alone, but for what one tick of 18 N·m has left.
+  t.Set(t->torque, {20, 2});
+  t.Set(t->measured_torque, {20, 2});
+  t.Tick();
+  EXPECT_NEAR(11 * t.Get(t->current)(0), 20, 10 * 18 * 1e-3 / 2);
+  EXPECT_EQ(t.Get(t->saturated), 0U);
+}
+
 TEST(LowLevelTorque, KeepsTheLawsOfBlocks) {
   ExpectBlockLaws(BlockTester<LowLevelTorque>(Options()));
+  LowLevelTorque::Options limited = Options();
+  limited.current_limit = {0.5, 0.5};
+  ExpectBlockLaws(BlockTester<LowLevelTorque>(limited));
   ExpectBlockLaws(BlockTester<FrictionCompensation>(kFriction));
 }
 
@@ -90,7 +134,7 @@ TEST(LowLevelTorque, RefusesGainsThatAreNone) {
   };
   using O = LowLevelTorque::Options;
   EXPECT_EQ(error([](O& o) { o.torque_per_ampere(0) = 0; }),
-            "sum: torque_per_ampere[first] must be > 0 N·m/A, got 0");
+            "motor: torque_per_ampere[first] must be > 0 N·m/A, got 0");
   EXPECT_EQ(error([](O& o) { o.reflected_inertia(1) = -1; }),
             "error: reflected_inertia[second] must be >= 0 kg·m², got -1");
   EXPECT_EQ(error([](O& o) { o.lag_gain = -1; }), "sum: lag_gain must be >= 0, got -1");

@@ -1,0 +1,87 @@
+// The largest gain k at which Kinova's torque loop is stable on a simulated Gen3: elastic gears,
+// friction, noisy sensors, the arm held in an extended posture by a compliant controller.
+//
+//   kinova_gain [DAMPING]
+//
+// For f = 0 and 1 it prints how fast the links move on average over the last second of three, for
+// k that grow by √2, then the last k between a stable and an unstable one, to 2 %. Unstable is what
+// moves by more than 0.05 rad/s, or what a motor's current is cut for: a held arm moves by 0.001.
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+
+#include "pliant/diagrams/scenario.h"
+#include "pliant/systems/simulator.h"
+
+namespace pliant {
+namespace {
+
+struct Held {
+  double speed = 0;  ///< rms of the links' velocities, all joints [rad/s]
+  double error = 0;  ///< rms of the torque error, all joints [N·m]
+  double tool = 0;   ///< how far off the tool is at the end [m]
+  int cut = 0;       ///< ticks at which a current was cut
+  bool stable() const { return speed < 0.05 && cut == 0; }
+};
+
+Held Hold(const TorqueLoopChoice& loop) {
+  ComplianceControl::Options control;
+  control.tool = "tool_frame";
+  control.posture.compliance = JointMatrix::Constant(1, 1, 1);
+  control.torque_loop = loop;
+  Scenario scenario;
+  scenario.robot = "gen3";
+  scenario.station = StationOptions{.position = {0, 0.58, 3.14, -1.84, 0, 0.85, 1.57},
+                                    .engine = SimbodyPlant::Engine::Recursive};
+  scenario.controller = control;
+  scenario.duration_s = 3;
+  ScenarioDiagram scene(scenario);
+  const Diagram diagram = scene.builder.Build();
+  Simulator sim(diagram, {.integrator = scenario.integrator});
+  Held held;
+  try {
+    for (int k = 0; k < 3000; ++k) {
+      sim.AdvanceThroughTick();
+      const double speed = sim.Get(scene.arm->velocity).norm();
+      if (!(speed < 5)) throw Error("it runs away");
+      if (k < 2000) continue;
+      held.speed += speed * speed / 1000;
+      held.error += sim.Get(scene.control->torque_error).squaredNorm() / 1000;
+      held.cut += sim.Get(scene.control->saturated) != 0;
+    }
+    held.tool = sim.Get(scene.control->pose_error).tail<3>().norm();
+  } catch (const Error&) {
+    held.speed = held.error = held.tool = INFINITY;
+  }
+  held.speed = std::sqrt(held.speed);
+  held.error = std::sqrt(held.error);
+  return held;
+}
+
+Held Show(double f, double k, double d) {
+  const Held held = d > 0 ? Hold(KinovaDampedLoop{.feedforward = f, .gain = k, .damping = d})
+                          : Hold(KinovaHighVelocityLoop{.feedforward = f, .gain = k});
+  std::printf("%4.1f %8.3f  %9.5f rad/s  %8.3f N·m  %7.4f m  %4d  %s\n", f, k, held.speed,
+              held.error, held.tool, held.cut, held.stable() ? "stable" : "unstable");
+  std::fflush(stdout);
+  return held;
+}
+
+}  // namespace
+}  // namespace pliant
+
+int main(int argc, char** argv) {
+  const double damping = argc > 1 ? std::atof(argv[1]) : 0;
+  std::printf("d = %g N·m·s/rad\n   f        k   links         torque error  tool      cut\n",
+              damping);
+  for (const double f : {0.0, 1.0}) {
+    double stable = 0, k = 1;
+    while (k < 200 && pliant::Show(f, k, damping).stable()) stable = k, k *= std::sqrt(2.0);
+    while (stable > 0 && k / stable > 1.02) {
+      const double middle = std::sqrt(k * stable);
+      (pliant::Show(f, middle, damping).stable() ? stable : k) = middle;
+    }
+    std::printf("f = %g: stable up to k = %.3g\n", f, stable);
+  }
+}
