@@ -44,7 +44,7 @@ Duration PeriodOf(const RecordedSignal& signal) {
       throw Error("the rows of " + signal.path + " are " +
                   WithUnit(signal.times(k) - signal.times(k - 1), "s") + " apart at " +
                   WithUnit(signal.times(k), "s") + ", elsewhere " + WithUnit(h, "s") +
-                  "; above_hz needs rows that are evenly spaced");
+                  "; above_hz and below_hz need rows that are evenly spaced");
   return Duration::Nanoseconds(std::llround(1e9 * h));
 }
 
@@ -89,6 +89,10 @@ void SignalNumber::RequireFit(const Scenario& scenario) const {
   const double most = 0.5 / seconds(LogPeriodOf(scenario));
   Require(above_hz < most,
           "above_hz must be < " + Text(most) + " Hz, half the rate of the log's rows", above_hz);
+  Require(below_hz == kUnbounded || below_hz < most,
+          "below_hz must be < " + Text(most) + " Hz, half the rate of the log's rows", below_hz);
+  Require(above_hz < below_hz, "above_hz must be < below_hz",
+          Text(above_hz) + " and " + Text(below_hz));
 }
 
 void SignalNumber::RequireSound(const RecordedSignal& recorded) const { UnitOf(*this, recorded); }
@@ -110,6 +114,7 @@ std::string SignalNumber::text(const RecordedSignal& recorded) const {
                      (what.empty() ? "" : what + "]");
   if (relative_to_s) text += " relative to " + WithUnit(*relative_to_s, "s");
   if (above_hz > 0) text += " above " + WithUnit(above_hz, "Hz");
+  if (std::isfinite(below_hz)) text += " below " + WithUnit(below_hz, "Hz");
   if (settles)
     text += " to within " + WithUnit(band, UnitOf(*this, recorded)) + " of " +
             (settles_at == SettlesAt::Zero ? "zero" : "its final mean");
@@ -127,6 +132,7 @@ double SignalNumber::Of(const RunData& run) const {
   const std::vector<Eigen::Index> picked = RowsOf(*this, recorded);
   Series all = recorded.numbers(picked, Eigen::all);
   if (above_hz > 0) all = HighPass(all, above_hz, PeriodOf(recorded));
+  if (std::isfinite(below_hz)) all -= HighPass(all, below_hz, PeriodOf(recorded));
   if (relative_to_s) {
     // The row at that time, or the first after it.
     const Eigen::Index at =

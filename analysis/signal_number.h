@@ -35,7 +35,7 @@ inline const std::vector<std::string>& Words(SettlesAt) {
 /// infinite if the last row is outside of the band. With relative_to_s each element is taken less
 /// what it is at that time: what came of it since, such as a deflection of a position. With
 /// above_hz it is a number of what of each element lies above that frequency, see HighPass, of the
-/// whole log before rows are taken; its rms is that of the band.
+/// whole log before rows are taken; its rms is that of the band. With below_hz it is of the rest.
 struct SignalNumber {
   std::string signal;                      ///< path, such as control.pose_error
   std::vector<std::string> elements = {};  ///< such as joint_1; none: all
@@ -43,6 +43,7 @@ struct SignalNumber {
   double from_s = 0, to_s = kUnbounded;
   std::optional<double> relative_to_s = {};
   double above_hz = 0;                     ///< 0: all of it
+  double below_hz = kUnbounded;
   double band = 0;                         ///< of settling_time, in the signal's unit, > 0
   SettlesAt settles_at = SettlesAt::Zero;  ///< of settling_time
 
@@ -55,6 +56,7 @@ struct SignalNumber {
     f("to_s", to_s, "s", kLimit);
     f("relative_to_s", relative_to_s, "s", kNotNegative);
     f("above_hz", above_hz, "Hz", kNotNegative);
+    f("below_hz", below_hz, "Hz", kLimit);
     f("band", band, "", kNotNegative);
     f("settles_at", settles_at);
   }

@@ -70,10 +70,12 @@ class ToolMotion final : public Block {
   explicit ToolMotion(const Joints& joints) : motion{this, "motion", joints} {
     Compute(position).From(motion).As(
         [](const RobotDynamics& d) { return Position(d.frame[0].pose.position); });
+    Compute(pose).From(motion).As([](const RobotDynamics& d) { return d.frame[0].pose; });
     Compute(twist).From(motion).As([](const RobotDynamics& d) { return d.frame[0].twist; });
   }
   Input<RobotDynamics> motion;
   Output<Position> position{this, "position"};
+  Output<Pose> pose{this, "pose"};
   Output<Twist> twist{this, "twist"};
 };
 
@@ -245,7 +247,7 @@ ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<Recor
   const auto record = [&](const auto&... values) { (b.Connect(values, recorder.in), ...); };
   record(arm->measured_position, arm->measured_velocity, arm->measured_torque,
          arm->measured_current, arm->wrench, arm->status, arm->position, arm->velocity,
-         arm->joint_torque, arm->energy, tool.position, tool.twist, true_torque->torque,
+         arm->joint_torque, arm->energy, tool.position, tool.pose, tool.twist, true_torque->torque,
          schedule.mode);
   record(control->torque, control->current, control->torque_error, control->saturated,
          control->target, control->position, control->acceleration, control->external_torque,

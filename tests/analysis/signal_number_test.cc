@@ -118,6 +118,22 @@ TEST(SignalNumber, TakesWhatLiesAboveAFrequency) {
   EXPECT_GT(rms.Of(run), 5);
 }
 
+TEST(SignalNumber, TakesWhatLiesBelowAFrequency) {
+  const auto gain = [](double f, double cutoff) {
+    return 1 / (1 + std::pow(std::tan(kPi * cutoff * 1e-3) / std::tan(kPi * f * 1e-3), 4));
+  };
+  const RunData run = Recorded(
+      [](double t) { return 3 * std::sin(2 * kPi * 2 * t) + 0.5 * std::sin(2 * kPi * 80 * t); });
+  SignalNumber rms = Number(Statistic::Rms);
+  rms.below_hz = 20;
+  rms.from_s = 0.5, rms.to_s = 1.499;
+  const double slow = 3 * (1 - gain(2, 20)), fast = 0.5 * (1 - gain(80, 20));
+  EXPECT_NEAR(rms.Of(run), std::sqrt((slow * slow + fast * fast) / 2), 2e-6);
+  SignalNumber mean = Number(Statistic::Mean);
+  mean.below_hz = 20;
+  EXPECT_NEAR(mean.Of(Recorded([](double) { return 5; })), 5, 1e-9);
+}
+
 TEST(SignalNumber, SaysWhatItIs) {
   const RecordedSignal signal = Recorded([](double t) { return t; }).log["a.b"];
   SignalNumber number{.signal = "a.b"};
@@ -129,6 +145,9 @@ TEST(SignalNumber, SaysWhatItIs) {
   number.from_s = 0.5;
   number.to_s = 1.5;
   EXPECT_EQ(number.text(signal), "rms of a.b[y] above 20.0 Hz from 500 ms to 1.50 s");
+  number.above_hz = 0;
+  number.below_hz = 10;
+  EXPECT_EQ(number.text(signal), "rms of a.b[y] below 10.0 Hz from 500 ms to 1.50 s");
   number = {.signal = "a.b", .statistic = Statistic::SettlingTime, .band = 0.002};
   EXPECT_EQ(number.text(signal), "settling time of a.b to within 2.00 mm of zero");
   number.settles_at = SettlesAt::Final;
@@ -159,7 +178,14 @@ TEST(SignalNumber, RefusesWhatDoesNotGoTogether) {
   EXPECT_EQ(error(number), "no error");
   number.relative_to_s = 0;
   EXPECT_EQ(error(number), "relative_to_s does not go with above_hz, which leaves no constant");
-  number.above_hz = 0;
+  number = Number(Statistic::Rms);
+  number.below_hz = 500;
+  EXPECT_EQ(error(number), "below_hz must be < 500 Hz, half the rate of the log's rows, got 500");
+  number.below_hz = 10;
+  EXPECT_EQ(error(number), "no error");
+  number.above_hz = 10;
+  EXPECT_EQ(error(number), "above_hz must be < below_hz, got 10 and 10");
+  number = Number(Statistic::Peak);
   number.relative_to_s = 1.5;
   EXPECT_EQ(error(number), "relative_to_s must be <= duration_s, 1, got 1.5");
 }
@@ -173,8 +199,8 @@ TEST(SignalNumber, RefusesToFilterRowsThatAreNotEvenlySpaced) {
   EXPECT_EQ(ErrorOf([&] { rms.Of(run); }), "no error");
   rms.above_hz = 20;
   EXPECT_EQ(ErrorOf([&] { rms.Of(run); }),
-            "the rows of a.b are 1.00 ms apart at 1.00 ms, elsewhere 1.25 ms; above_hz needs rows "
-            "that are evenly spaced");
+            "the rows of a.b are 1.00 ms apart at 1.00 ms, elsewhere 1.25 ms; above_hz and "
+            "below_hz need rows that are evenly spaced");
 }
 
 }  // namespace
