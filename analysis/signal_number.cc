@@ -148,6 +148,8 @@ double SignalNumber::Of(const RunData& run) const {
       return Largest(x);
     case Statistic::Least:
       return -Largest(-x);
+    case Statistic::Magnitude:
+      return Largest(x.cwiseAbs());
     case Statistic::Rms:
       return std::sqrt(x.squaredNorm() / static_cast<double>(x.size()));
     case Statistic::Mean:

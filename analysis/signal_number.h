@@ -9,11 +9,11 @@
 namespace pliant {
 
 /// What is taken of a signal over time.
-enum class Statistic { Peak, Least, Rms, Mean, Last, Range, SettlingTime };
+enum class Statistic { Peak, Least, Magnitude, Rms, Mean, Last, Range, SettlingTime };
 
 inline const std::vector<std::string>& Words(Statistic) {
-  static const std::vector<std::string> words{"peak", "least", "rms",          "mean",
-                                              "last", "range", "settling_time"};
+  static const std::vector<std::string> words{"peak", "least", "magnitude", "rms",
+                                              "mean", "last",  "range",     "settling_time"};
   return words;
 }
 
@@ -28,7 +28,8 @@ inline const std::vector<std::string>& Words(SettlesAt) {
 /// A number of a recorded signal. x(t) is an element of the signal, or the norm of several of one
 /// unit, of rows with from_s ≤ t ≤ to_s:
 ///
-///   peak max x,  least min x,  range max x − min x,  rms √(mean x²),  mean,  last at the end,
+///   peak max x,  least min x,  magnitude max |x|,  range max x − min x,  rms √(mean x²),  mean,
+///   last at the end,
 ///   settling_time  T = min{t: ‖y(t′) − y_∞‖ ≤ band for all t′ ≥ t} − from_s
 ///
 /// where y are the elements, and y_∞ is zero, or their mean over the last tenth of that time. T is
@@ -42,7 +43,7 @@ struct SignalNumber {
   Statistic statistic = Statistic::Peak;
   double from_s = 0, to_s = kUnbounded;
   std::optional<double> relative_to_s = {};
-  double above_hz = 0;                     ///< 0: all of it
+  double above_hz = 0;  ///< 0: all of it
   double below_hz = kUnbounded;
   double band = 0;                         ///< of settling_time, in the signal's unit, > 0
   SettlesAt settles_at = SettlesAt::Zero;  ///< of settling_time

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <ranges>
 
 #include "pliant/controllers/course.h"
 #include "pliant/controllers/rotation.h"
@@ -72,6 +73,16 @@ PoseMotion PoseReference::InTime(double t, const PathTime& phi, const Path& path
 
 PoseWaypoints::PoseWaypoints(const Options& o) : waypoints_{o.waypoints} {
   RequireTimedPoses("waypoints", waypoints_, std::numbers::pi - 1e-6, "less than half a turn");
+  RequireInRange("", "laps", o.laps, "", Between(1, 100'000));
+  const Waypoint &first = o.waypoints.front(), &last = o.waypoints.back();
+  Require(o.laps == 1 || (last.time_s > first.time_s && last.pose.position == first.pose.position &&
+                          last.pose.rotation == first.pose.rotation),
+          "with laps the last waypoint must be at the pose of the first, and later");
+  for (int lap = 1; lap < o.laps; ++lap)
+    for (Waypoint next : o.waypoints | std::views::drop(1)) {
+      next.time_s += lap * (last.time_s - first.time_s);
+      waypoints_.push_back(next);
+    }
   Compute(motion_).From(clock, phase).As(&PoseWaypoints::Move);
 }
 

@@ -62,6 +62,7 @@ struct TimedPose {
 ///   V° = ṡ [φ; p₁ − p₀],   V̇° = s̈ [φ; p₁ − p₀]
 ///
 /// Before the first and after the last it stands still. Neighbours are less than half a turn apart.
+/// With `laps` it goes through all of them again and again, from the last on as from the first.
 /// Source: Flash & Hogan, J. Neuroscience 5(7), 1985.
 class PoseWaypoints final : public PoseReference {
  public:
@@ -70,10 +71,12 @@ class PoseWaypoints final : public PoseReference {
     static constexpr const char* kTag = "Waypoints";
 
     std::vector<Waypoint> waypoints;  ///< at least one, in order of time
+    int laps = 1;                     ///< more than one: the last pose is the first
 
     template <class F>
     void Parameters(F&& f) {
       f("waypoints", waypoints);
+      f("laps", laps, "", Between(1, 100'000));
     }
   };
 
@@ -83,7 +86,7 @@ class PoseWaypoints final : public PoseReference {
   PoseMotion Move(double t, const PathTime& phase) const;
   PoseMotion At(double t) const;
 
-  const std::vector<Waypoint> waypoints_;
+  std::vector<Waypoint> waypoints_;
 };
 
 /// Passes through the rows of a table, and rests before the first and after the last. Between two

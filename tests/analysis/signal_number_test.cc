@@ -36,6 +36,7 @@ TEST(SignalNumber, TakesLeastAndRangeWithTheirSigns) {
   const RunData run = Recorded([](double t) { return std::cos(kPi * t) - 0.25; });
   EXPECT_NEAR(Number(Statistic::Peak).Of(run), 0.75, 1e-15);
   EXPECT_NEAR(Number(Statistic::Least).Of(run), -1.25, 1e-15);
+  EXPECT_NEAR(Number(Statistic::Magnitude).Of(run), 1.25, 1e-15);
   EXPECT_NEAR(Number(Statistic::Range).Of(run), 2, 1e-15);
 }
 

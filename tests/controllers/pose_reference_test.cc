@@ -80,6 +80,24 @@ TEST(PoseWaypoints, RestsAtEachWaypointAndHasLeastJerkBetween) {
   EXPECT_EQ(t.Get(t->pose).position.norm(), 0);
 }
 
+TEST(PoseWaypoints, GoThroughTheirLapsAsThroughTheFirst) {
+  PoseWaypoints::Options way{
+      .waypoints = {{1, At({0, 0, 0})}, {2, At({0.3, 0, 0})}, {3.5, At({0, 0, 0})}}, .laps = 3};
+  BlockTester<PoseWaypoints> laps(way);
+  way.laps = 1;
+  for (const int lap : {0, 1, 2}) {
+    BlockTester<PoseWaypoints> once(way);
+    for (const double t : {1.25, 2.0, 3.1}) {
+      once.AdvanceTo(t);
+      laps.AdvanceTo(t + 2.5 * lap);
+      EXPECT_LT((laps.Get(laps->pose).position - once.Get(once->pose).position).norm(), 1e-14);
+      EXPECT_LT((laps.Get(laps->twist) - once.Get(once->twist)).norm(), 1e-13);
+    }
+  }
+  laps.AdvanceTo(9);
+  EXPECT_EQ(laps.Get(laps->pose).position.norm(), 0);
+}
+
 TEST(PoseSwing, MovesAsItsTwistAndAccelerationSay) {
   const PoseSwing::Options o{.start = At({0.1, 0, 0.5}, kTurn),
                              .way = {0, 0.2, 0.1},
@@ -236,6 +254,15 @@ TEST(PoseReferences, RefuseWhatIsNoMotion) {
             "waypoints are in order of time: behind 1 s, got 1 s");
   EXPECT_EQ(waypoints({{1, At({0, 0, 0})}, {2, At({0, 0, 0}, {std::numbers::pi, 0, 0})}}),
             "neighbouring waypoints are less than half a turn apart, got 3.141592654 rad");
+  EXPECT_EQ(
+      ErrorOf([] {
+        PoseWaypoints block({.waypoints = {{1, At({0, 0, 0})}, {2, At({1, 0, 0})}}, .laps = 2});
+      }),
+      "with laps the last waypoint must be at the pose of the first, and later");
+  EXPECT_EQ(ErrorOf([] {
+              PoseWaypoints block({.waypoints = {{1, At({0, 0, 0})}}, .laps = 0});
+            }),
+            "laps must be from 1 to 100000, got 0");
   const auto table = [](std::vector<TimedPose> all) {
     return ErrorOf([&] { PoseTable block({all}); });
   };
