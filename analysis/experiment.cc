@@ -120,6 +120,7 @@ class NamesCheck {
     if constexpr (requires { part.runs; }) about(part.runs);
     if constexpr (requires { part.than; }) about({part.than});
     if constexpr (requires { part.to; }) about({part.to});
+    if constexpr (requires { part.others; }) about(part.others);
     if constexpr (requires { part.behind_observer; }) {
       about(part.behind_observer);
       about(part.as_if_static);

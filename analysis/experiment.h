@@ -15,6 +15,7 @@
 #include "pliant/analysis/difference_claim.h"
 #include "pliant/analysis/equivalence_claim.h"
 #include "pliant/analysis/experiment_figures.h"
+#include "pliant/analysis/least_claim.h"
 #include "pliant/analysis/motion_claims.h"
 #include "pliant/analysis/order_claim.h"
 #include "pliant/analysis/path_figure.h"
@@ -43,8 +44,8 @@ struct RunOf {
 /// `RequireFit` of a run's scenario, `RequireSound` of what it will record, `RequireRepetitions`.
 using ClaimCheck =
     std::variant<StandsStill, HoldsTool, YieldsAsInertia, KeepsLimits, DamperClaim, MovesAlong,
-                 KeepsDoor, FollowsAsWell, ComesAsNear, KeepsContactLimits, BoundClaim, OrderClaim,
-                 DifferenceClaim, EquivalenceClaim>;
+                 KeepsDoor, FollowsAsWell, ComesAsNear, KeepsContactLimits, BoundClaim, LeastClaim,
+                 OrderClaim, DifferenceClaim, EquivalenceClaim>;
 /// `Draw` makes the figure of the first repetition's runs, or of the numbers `Wanted` in each.
 using FigureOf = std::variant<VelocityFigure, PredictionFigure, LimitFigure, SignalFigure,
                               NormFigure, PhaseFigure, PathFigure, BarFigure>;
