@@ -163,14 +163,23 @@ Figure SignalFigure::Draw(const Runs& all) const {
   return figure;
 }
 
+SignalNumber NormFigure::Of(const std::string& signal) const {
+  return {.signal = signal, .relative_to_s = relative_to_s, .below_hz = below_hz};
+}
+
+void NormFigure::RequireFit(const Scenario& scenario) const {
+  RequireFileName(name);
+  Of("").RequireFit(scenario);
+}
+
 void NormFigure::RequireSound(const Recording& recorded) const {
-  for (const std::string& path : signals) SignalNumber{.signal = path}.RequireSound(recorded[path]);
+  for (const std::string& path : signals) Of(path).RequireSound(recorded[path]);
 }
 
 Figure NormFigure::Draw(const Runs& all) const {
   Figure figure{.name = name, .caption = caption};
   for (const std::string& path : signals) {
-    const SignalNumber number{.signal = path};
+    const SignalNumber number = Of(path);
     const RecordedSignal& first = all[runs.front()].log[path];
     Panel panel;
     panel.x.label = "time [s]";
@@ -179,8 +188,9 @@ Figure NormFigure::Draw(const Runs& all) const {
     panel.x_bands = ContactBands(all[runs.front()].scenario);
     for (const std::string& run : runs) {
       const RecordedSignal& signal = all[run].log[path];
-      panel.curves.push_back(
-          {.label = all[run].title, .x = Vector(signal.times), .y = Vector(Norms(signal.numbers))});
+      panel.curves.push_back({.label = all[run].title,
+                              .x = Vector(signal.times),
+                              .y = Vector(Norms(number.Elements(signal)))});
     }
     figure.panels.push_back(std::move(panel));
   }

@@ -5,6 +5,7 @@
 
 #include "pliant/analysis/figure.h"
 #include "pliant/analysis/run_data.h"
+#include "pliant/analysis/signal_number.h"
 
 namespace pliant {
 
@@ -85,12 +86,15 @@ struct SignalFigure {
   Figure Draw(const Runs& runs) const;
 };
 
-/// The norms of signals over time, a curve for each run: one panel for each signal.
+/// The norms of signals over time, a curve for each run: one panel for each signal. They may be
+/// relative to a time or below a frequency, as SignalNumber has it.
 struct NormFigure {
   static constexpr const char* kTag = "Norms";
   std::string name, caption;
   std::vector<std::string> runs, signals;
   bool logarithmic = false;  ///< the norms' axis
+  std::optional<double> relative_to_s = {};
+  double below_hz = kUnbounded;
 
   template <class F>
   void Parameters(F&& f) {
@@ -99,12 +103,17 @@ struct NormFigure {
     f("runs", runs);
     f("signals", signals);
     f("logarithmic", logarithmic);
+    f("relative_to_s", relative_to_s, "s", kNotNegative);
+    f("below_hz", below_hz, "Hz", kLimit);
   }
   std::string file() const { return name; }
-  void RequireFit(const Scenario&) const { RequireFileName(name); }
+  void RequireFit(const Scenario& scenario) const;
   /// Throws Error if the elements of a signal have different units.
   void RequireSound(const Recording& recorded) const;
   Figure Draw(const Runs& runs) const;
+
+ private:
+  SignalNumber Of(const std::string& signal) const;
 };
 
 }  // namespace pliant

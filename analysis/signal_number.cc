@@ -123,14 +123,8 @@ std::string SignalNumber::text(const RecordedSignal& recorded) const {
   return text;
 }
 
-double SignalNumber::Of(const RunData& run) const {
-  const RecordedSignal& recorded = run.log[signal];
-  UnitOf(*this, recorded);
-  const RowsBetween rows(recorded.times, from_s, to_s);
-  Require(rows.size() > 0, "no row of " + signal + " lies between from_s and to_s",
-          Text(from_s) + " and " + Text(to_s));
-  const std::vector<Eigen::Index> picked = RowsOf(*this, recorded);
-  Series all = recorded.numbers(picked, Eigen::all);
+Eigen::MatrixXd SignalNumber::Elements(const RecordedSignal& recorded) const {
+  Series all = recorded.numbers(RowsOf(*this, recorded), Eigen::all);
   if (above_hz > 0) all = HighPass(all, above_hz, PeriodOf(recorded));
   if (std::isfinite(below_hz)) all -= HighPass(all, below_hz, PeriodOf(recorded));
   if (relative_to_s) {
@@ -141,8 +135,17 @@ double SignalNumber::Of(const RunData& run) const {
             *relative_to_s);
     all.colwise() -= all.col(at).eval();
   }
-  const Series y = all.middleCols(rows.begin, rows.size());
-  const Eigen::VectorXd x = picked.size() > 1 ? Norms(y) : Eigen::VectorXd(y.row(0).transpose());
+  return all;
+}
+
+double SignalNumber::Of(const RunData& run) const {
+  const RecordedSignal& recorded = run.log[signal];
+  UnitOf(*this, recorded);
+  const RowsBetween rows(recorded.times, from_s, to_s);
+  Require(rows.size() > 0, "no row of " + signal + " lies between from_s and to_s",
+          Text(from_s) + " and " + Text(to_s));
+  const Series y = Elements(recorded).middleCols(rows.begin, rows.size());
+  const Eigen::VectorXd x = y.rows() > 1 ? Norms(y) : Eigen::VectorXd(y.row(0).transpose());
   switch (statistic) {
     case Statistic::Peak:
       return Largest(x);

@@ -73,6 +73,8 @@ struct SignalNumber {
   std::string unit(const RecordedSignal& recorded) const;
   /// Such as "peak norm of control.pose_error[x, y, z] from 1 s".
   std::string text(const RecordedSignal& recorded) const;
+  /// The elements over the whole log, relative or filtered as asked.
+  Eigen::MatrixXd Elements(const RecordedSignal& recorded) const;
   /// Throws Error if there is no such row.
   double Of(const RunData& run) const;
 };
