@@ -225,12 +225,12 @@ class Run(InFolder):
         told = self.ends(0, "log", "info", "out/logs/run.mcap")
         self.assertIn("pliant.run  whole: 0\n", told)
         self.assertRegex(told, r"statistics rows: 20\d\n")
-        self.assertIn("identical: 10 signals", self.ends(0, "replay", "out/logs/run.mcap"))
+        self.assertIn("identical: 13 signals", self.ends(0, "replay", "out/logs/run.mcap"))
 
     def test_is_replayed_bit_for_bit(self):
         self.run_short()
         self.assertEqual(self.ends(0, "replay", "out/logs/run.mcap"),
-                         "identical: 10 signals over 101 rows, 0 s to 0.1 s\n")
+                         "identical: 13 signals over 101 rows, 0 s to 0.1 s\n")
         self.assertIn("identical: 2 signals over 101 rows",
                       self.ends(0, "replay", "out/logs/run.mcap", "--part", "control.estimate.observer"))
         self.refuses("out/logs/run.mcap: the diagram has no part 'contro'; did you mean 'control'?",
