@@ -6,8 +6,9 @@
 //   kinova_gain [DAMPING]
 //
 // For f = 0 and 1 it prints how fast the links move on average over the last second of three, for
-// k that grow by √2, then the last k between a stable and an unstable one, to 2 %. Unstable is what
-// moves by more than 0.02 rad/s, or what a motor's current is cut for: a held arm moves by 0.001.
+// k that grow by √2, then both ends of the stable range, to 2 %: a weak loop without a feedforward
+// is too slow for the controller around it. Unstable is what moves by more than 0.02 rad/s, or what
+// a motor's current is cut for; a held arm moves by 0.001.
 
 #include <cmath>
 #include <cstdio>
@@ -85,13 +86,16 @@ int main(int argc, char** argv) {
   const double damping = argc > 1 ? std::atof(argv[1]) : 0;
   std::printf("d = %g N·m·s/rad\n   f        k   links         torque error  tool      cut\n",
               damping);
+  const auto stable = [&](double f, double k) { return pliant::Show(f, k, damping).stable(); };
   for (const double f : {0.0, 1.0}) {
-    double stable = 0, k = 1;
-    while (k < 200 && pliant::Show(f, k, damping).stable()) stable = k, k *= std::sqrt(2.0);
-    while (stable > 0 && k / stable > 1.02) {
-      const double middle = std::sqrt(k * stable);
-      (pliant::Show(f, middle, damping).stable() ? stable : k) = middle;
-    }
-    std::printf("f = %g: stable up to k = %.3g\n", f, stable);
+    double k = 0.5;
+    while (k < 300 && !stable(f, k)) k *= std::sqrt(2.0);
+    double least = k, most = k, below = k / std::sqrt(2.0);
+    while (k < 300 && stable(f, k *= std::sqrt(2.0))) most = k;
+    while (k / most > 1.02) (stable(f, std::sqrt(k * most)) ? most : k) = std::sqrt(k * most);
+    if (least > 0.5)
+      while (least / below > 1.02)
+        (stable(f, std::sqrt(below * least)) ? least : below) = std::sqrt(below * least);
+    std::printf("f = %g, d = %g: stable from k = %.3g to %.3g\n", f, damping, least, most);
   }
 }
