@@ -5,6 +5,8 @@
 #include "pliant/controllers/current_fade.h"
 #include "pliant/controllers/external_acceleration.h"
 #include "pliant/controllers/frame_task.h"
+#include "pliant/controllers/pad_modes.h"
+#include "pliant/controllers/pad_player.h"
 #include "pliant/controllers/position_reference.h"
 #include "pliant/controllers/posture_task.h"
 #include "pliant/controllers/torque_error.h"
@@ -94,7 +96,7 @@ class ComplianceSchedule final : public Block {
 
 /// Whether an arm is ever to be moved through Kinova's loop.
 bool WantsKinova(const SupervisedModes& modes) {
-  return modes.control == ArmControl::KinovaTorque ||
+  return modes.control == ArmControl::KinovaTorque || (modes.control && modes.pad) ||
          std::ranges::any_of(modes.changes, [](const ComplianceChange& change) {
            return change.control == ArmControl::KinovaTorque;
          });
@@ -102,6 +104,8 @@ bool WantsKinova(const SupervisedModes& modes) {
 
 void RequireSwitches(const ComplianceControl::Options& o) {
   const SupervisedModes& modes = *o.modes;
+  Require(!modes.pad || modes.changes.empty(),
+          "modes.pad says what is wanted; expected no modes.changes beside it");
   if (!modes.control) {
     Require(std::ranges::none_of(modes.changes, &std::optional<ArmControl>::has_value,
                                  &ComplianceChange::control),
@@ -347,13 +351,28 @@ ComplianceControl::ComplianceControl(const Options& o)
   };
   ControlSupervisor* chooses = nullptr;
   if (o.modes) {
-    auto& schedule = Add<ComplianceSchedule>("schedule", {.modes = *o.modes, .period = o.period});
     ComplianceSupervisor::Options modes = o.modes->supervisor;
     modes.joints = n;
     modes.period = o.period;
     auto& supervisor = Add<ComplianceSupervisor>("supervisor", modes);
-    Connect(schedule.mode, supervisor.mode);
-    Connect(schedule.dynamic, supervisor.dynamic);
+    const Output<ArmControl>* wanted = nullptr;
+    const auto follow_wishes = [&](const auto& person) {
+      Connect(person.mode, supervisor.mode);
+      Connect(person.dynamic, supervisor.dynamic);
+      wanted = &person.control;
+    };
+    if (o.modes->pad) {
+      auto& pad = Add<PadPlayer>("pad", {.recording = *o.modes->pad, .period = o.period});
+      auto& person =
+          Add<PadModes>("wanted", {.mode = o.modes->mode,
+                                   .dynamic = o.modes->dynamic,
+                                   .control = o.modes->control.value_or(ArmControl::ProposedTorque),
+                                   .period = o.period});
+      Connect(pad.state, person.pad);
+      follow_wishes(person);
+    } else {
+      follow_wishes(Add<ComplianceSchedule>("schedule", {.modes = *o.modes, .period = o.period}));
+    }
     Connect(estimate.contact, supervisor.contact);
     Connect(pose.frame, supervisor.tool);
     aim(supervisor.target);
@@ -372,7 +391,7 @@ ComplianceControl::ComplianceControl(const Options& o)
                                                          .first = *o.modes->control,
                                                          .settings = o.modes->switching,
                                                          .period = o.period});
-      Connect(schedule.control, control.wanted);
+      Connect(*wanted, control.wanted);
       Connect(moved->open, control.reference);
       Connect(measured_position, control.measured_position);
       Connect(measured_velocity, control.measured_velocity);

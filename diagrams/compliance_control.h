@@ -14,6 +14,7 @@
 #include "pliant/controllers/force_limit.h"
 #include "pliant/controllers/frame_speed_limit.h"
 #include "pliant/controllers/joint_damper.h"
+#include "pliant/controllers/pad_events.h"
 #include "pliant/controllers/path_phase.h"
 #include "pliant/controllers/pose_reference.h"
 #include "pliant/controllers/virtual_door.h"
@@ -92,6 +93,7 @@ struct SupervisedModes {
   std::optional<KinovaDampedLoop> kinova_loop = {};  ///< of kinova_torque; not of an ideal arm
   ControlSupervisor::Settings switching = {};
   std::vector<ComplianceChange> changes = {};  ///< in order of time
+  std::optional<PadEvents> pad = {};  ///< instead: what a game controller was recorded to say
   ComplianceSupervisor::Options supervisor = {};
 
   template <class F>
@@ -102,6 +104,7 @@ struct SupervisedModes {
     f("kinova_loop", kinova_loop);
     f("switching", switching);
     f("changes", changes);
+    f("pad", pad);
     supervisor.Parameters(f);
   }
 };

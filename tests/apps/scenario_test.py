@@ -19,7 +19,7 @@ claims:
 
 class Help(InFolder):
     COMMANDS = [["run"], ["experiment", "list"], ["experiment", "run"], ["report"], ["schema"], ["replay"],
-                ["export"], ["log", "info"], ["log", "repair"], ["doctor"]]
+                ["export"], ["log", "info"], ["log", "repair"], ["doctor"], ["pad"]]
 
     def examples(self):
         for words in [[], *self.COMMANDS]:
@@ -47,7 +47,7 @@ class Help(InFolder):
                                   capture_output=True, text=True)
             self.assertEqual(done.returncode, 0, f"{example}\n{done.stderr}")
             ran += 1
-        self.assertEqual(ran, 9)
+        self.assertEqual(ran, 10)
 
     def test_says_the_version_and_the_exit_codes(self):
         self.assertRegex(self.ends(0, "--version"), r"^\d+\.\d+\.\d+\n$")
