@@ -43,7 +43,8 @@ double UseOfLimits(const RunData& run, int joint) {
 /// which pushes the tool against the stiffness of its pose; all of them at once, at worst.
 double StaticOffset(const RunData& run) {
   const ComplianceControl::Options& o = run.control;
-  const LowLevelTorque::Options& loop = *o.low_level;
+  const LowLevelTorque::Options loop =
+      TorqueLoopOf(*o.low_level, std::get<ProposedTorqueLoop>(o.torque_loop));
   const PerJoint missing = (loop.lag_gain * run.arm.sensors.torque_bias.cwiseAbs() +
                             PerJoint(loop.leak_limit) + 2 * loop.friction.stiction) /
                            (1 + loop.lag_gain);
@@ -117,6 +118,9 @@ Series StaticError(const RunData& run) {
 void StandsStill::RequireFit(const Scenario& scenario) const {
   RequireEveryTick(scenario);
   RequireTorque(scenario);
+  const auto& control = std::get<ComplianceControl::Options>(scenario.controller);
+  Require(std::holds_alternative<ProposedTorqueLoop>(control.torque_loop),
+          "controller.torque_loop must be !Proposed: the bound is what that loop leaves at rest");
 }
 
 Claim StandsStill::Check(const Runs& runs) const {

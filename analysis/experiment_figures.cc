@@ -8,6 +8,7 @@
 #include "pliant/analysis/compliance_claims.h"
 #include "pliant/analysis/series.h"
 #include "pliant/analysis/signal_number.h"
+#include "pliant/analysis/with_unit.h"
 
 namespace pliant {
 
@@ -180,18 +181,22 @@ Figure NormFigure::Draw(const Runs& all) const {
   Figure figure{.name = name, .caption = caption};
   for (const std::string& path : signals) {
     const SignalNumber number = Of(path);
-    const RecordedSignal& first = all[runs.front()].log[path];
+    std::vector<Eigen::VectorXd> norms;
+    double largest = 0;
+    for (const std::string& run : runs) {
+      norms.push_back(Norms(number.Elements(all[run].log[path])));
+      largest = std::max(largest, Largest(norms.back()));
+    }
+    const ScaledUnit unit = UnitFor(largest, number.unit(all[runs.front()].log[path]));
     Panel panel;
     panel.x.label = "time [s]";
-    panel.left.label = "‖" + path + "‖ [" + number.unit(first) + "]";
+    panel.left.label = "‖" + path + "‖ [" + unit.unit + "]";
     panel.left.logarithmic = logarithmic;
     panel.x_bands = ContactBands(all[runs.front()].scenario);
-    for (const std::string& run : runs) {
-      const RecordedSignal& signal = all[run].log[path];
-      panel.curves.push_back({.label = all[run].title,
-                              .x = Vector(signal.times),
-                              .y = Vector(Norms(number.Elements(signal)))});
-    }
+    for (std::size_t i = 0; i < runs.size(); ++i)
+      panel.curves.push_back({.label = all[runs[i]].title,
+                              .x = Vector(all[runs[i]].log[path].times),
+                              .y = Vector(norms[i] / unit.factor)});
     figure.panels.push_back(std::move(panel));
   }
   return figure;

@@ -258,7 +258,7 @@ std::vector<Setting> SettingsOfRun(const RunData& run) {
            (station.ideal ? ", ideal torque actuators and sensors"
                           : ", elastic gears with friction, sensors with noise and offsets "
                             "(seed " +
-                                Text(s.seed) + "), torque loop of the RSS paper")},
+                                Text(s.seed) + "), " + TorqueLoopText(c.torque_loop))},
       {"rotor inertia", Text(c.rotor_inertia.transpose()) + " kg·m², reflected"},
       {"plant", Words(station.engine)[static_cast<std::size_t>(station.engine)]},
       {"controller", "one QP at " + c.period.text() + ": pose of " + c.tool + " " + gains(c.pose) +

@@ -25,5 +25,6 @@ class CannotGoOn : public std::runtime_error {
 void AddRunCommands(CLI::App& app, std::vector<Command>& commands);  ///< run, experiment, report
 void AddLogCommands(CLI::App& app, std::vector<Command>& commands);  ///< replay, export, log
 void AddDoctor(CLI::App& app, std::vector<Command>& commands);
+void AddPad(CLI::App& app, std::vector<Command>& commands);
 
 }  // namespace pliant

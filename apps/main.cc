@@ -60,6 +60,7 @@ int main(int argc, char** argv) {
   pliant::AddRunCommands(app, commands);
   pliant::AddLogCommands(app, commands);
   pliant::AddDoctor(app, commands);
+  pliant::AddPad(app, commands);
 
   // A file that must not grow is an error of writing, not the end.
   std::signal(SIGXFSZ, SIG_IGN);

@@ -1,11 +1,14 @@
 // The largest gain k at which Kinova's torque loop is stable on a simulated Gen3: elastic gears,
-// friction, noisy sensors, the arm held in an extended posture by a compliant controller.
+// friction, noisy sensors, the arm held in an extended posture by a controller that is compliant in
+// the null space. Forearm and tool are pushed by 20 N, so that no joint just sticks, and left alone
+// for a second and a half.
 //
 //   kinova_gain [DAMPING]
 //
 // For f = 0 and 1 it prints how fast the links move on average over the last second of three, for
-// k that grow by √2, then the last k between a stable and an unstable one, to 2 %. Unstable is what
-// moves by more than 0.05 rad/s, or what a motor's current is cut for: a held arm moves by 0.001.
+// k that grow by √2, then both ends of the stable range, to 2 %: a weak loop without a feedforward
+// is too slow for the controller around it. Unstable is what moves by more than 0.02 rad/s, or what
+// a motor's current is cut for; a held arm moves by 0.001.
 
 #include <cmath>
 #include <cstdio>
@@ -22,7 +25,7 @@ struct Held {
   double error = 0;  ///< rms of the torque error, all joints [N·m]
   double tool = 0;   ///< how far off the tool is at the end [m]
   int cut = 0;       ///< ticks at which a current was cut
-  bool stable() const { return speed < 0.05 && cut == 0; }
+  bool stable() const { return speed < 0.02 && cut == 0; }
 };
 
 Held Hold(const TorqueLoopChoice& loop) {
@@ -35,6 +38,14 @@ Held Hold(const TorqueLoopChoice& loop) {
   scenario.station = StationOptions{.position = {0, 0.58, 3.14, -1.84, 0, 0.85, 1.57},
                                     .engine = SimbodyPlant::Engine::Recursive};
   scenario.controller = control;
+  for (const char* link : {"forearm_link", "tool_frame"}) {
+    Push::Options push;
+    push.link = link;
+    push.force = {0, 20, 0};
+    push.start_s = 0.5;
+    push.duration_s = 1;
+    scenario.environment.emplace_back(push);
+  }
   scenario.duration_s = 3;
   ScenarioDiagram scene(scenario);
   const Diagram diagram = scene.builder.Build();
@@ -75,13 +86,16 @@ int main(int argc, char** argv) {
   const double damping = argc > 1 ? std::atof(argv[1]) : 0;
   std::printf("d = %g N·m·s/rad\n   f        k   links         torque error  tool      cut\n",
               damping);
+  const auto stable = [&](double f, double k) { return pliant::Show(f, k, damping).stable(); };
   for (const double f : {0.0, 1.0}) {
-    double stable = 0, k = 1;
-    while (k < 200 && pliant::Show(f, k, damping).stable()) stable = k, k *= std::sqrt(2.0);
-    while (stable > 0 && k / stable > 1.02) {
-      const double middle = std::sqrt(k * stable);
-      (pliant::Show(f, middle, damping).stable() ? stable : k) = middle;
-    }
-    std::printf("f = %g: stable up to k = %.3g\n", f, stable);
+    double k = 0.5;
+    while (k < 300 && !stable(f, k)) k *= std::sqrt(2.0);
+    double least = k, most = k, below = k / std::sqrt(2.0);
+    while (k < 300 && stable(f, k *= std::sqrt(2.0))) most = k;
+    while (k / most > 1.02) (stable(f, std::sqrt(k * most)) ? most : k) = std::sqrt(k * most);
+    if (least > 0.5)
+      while (least / below > 1.02)
+        (stable(f, std::sqrt(below * least)) ? least : below) = std::sqrt(below * least);
+    std::printf("f = %g, d = %g: stable from k = %.3g to %.3g\n", f, damping, least, most);
   }
 }

@@ -33,6 +33,7 @@ Vector6 Away(const Pose& X, const Pose& target) {
 ComplianceSupervisor::ComplianceSupervisor(const Options& o)
     : mode{this, "mode", {}, ComplianceMode::NullSpace},
       dynamic{this, "dynamic", {}, false},
+      brakes{this, "brakes", {}, false},
       contact{this, "contact", {}, Wrench()},
       tool{this, "tool"},
       yields{this, "yields"},
@@ -55,7 +56,7 @@ ComplianceSupervisor::ComplianceSupervisor(const Options& o)
   RequireEachInRange("swing", o.swing, "m", kAnyNumber);
   Every(o.period)
       .Compute(memory_)
-      .From(memory_, mode, dynamic, contact, tool)
+      .From(memory_, mode, dynamic, brakes, contact, tool)
       .As(&ComplianceSupervisor::Next);
   Compute(yields).From(memory_).As([](const Memory& m) { return m.yields; });
   Compute(target).From(memory_).As(&ComplianceSupervisor::Target);
@@ -76,6 +77,7 @@ ComplianceSupervisor::ComplianceSupervisor(const Options& o)
 }
 
 const ComplianceGains& ComplianceSupervisor::GainsOf(const Memory& m) const {
+  if (m.brakes) return o_.braking;
   if (m.yields) return o_.yielding;
   switch (m.mode) {
     case ComplianceMode::Stiff:
@@ -89,10 +91,13 @@ const ComplianceGains& ComplianceSupervisor::GainsOf(const Memory& m) const {
 
 ComplianceSupervisor::Memory ComplianceSupervisor::Next(const Memory& last,
                                                         const ComplianceMode& asked,
-                                                        const bool& moves, const Wrench& W,
+                                                        const bool& moves, const bool& halts,
+                                                        const Wrench& W,
                                                         const FrameDynamics& at) const {
   Memory m = last;
   m.mode = asked;
+  m.brakes = halts;
+  const bool swings = moves && !halts;
   const double push = o_.norm == WrenchNorm::Force ? W.tail<3>().norm() : W.norm();
   // A push that is no number changes nothing.
   m.yields = asked == ComplianceMode::Dual && (last.yields ? !(push < o_.leave) : push >= o_.enter);
@@ -103,14 +108,15 @@ ComplianceSupervisor::Memory ComplianceSupervisor::Next(const Memory& last,
   }
 
   const double part = h_ / o_.change_s;
-  if (m.swings != moves && (m.swung == 0 || m.swung == 1)) {
+  if (m.swings != swings && (m.swung == 0 || m.swung == 1)) {
     if (!m.swings) m.time = 0;
-    m.swings = moves;
+    m.swings = swings;
   }
   m.swung = std::clamp(m.swung + (m.swings ? part : -part), 0.0, 1.0);
   m.time += h_;
 
-  const bool changes = last.started && (m.mode != last.mode || m.yields != last.yields);
+  const bool changes =
+      last.started && (m.mode != last.mode || m.yields != last.yields || m.brakes != last.brakes);
   if (changes) {
     const Vector6 e = Away(at.pose, Target(m));
     m.held = (1 - last.changed) * last.held + last.gains(kPoseStiffness) * e;

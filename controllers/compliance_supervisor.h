@@ -62,7 +62,8 @@ struct ComplianceGains {
 /// With a change of mode, and when yielding ends, gains go to their new values linearly over T, and
 /// the anchor X_a becomes such that the target is the present pose. What the task's stiffness did
 /// until then, −λ₂ e, stays as a feedforward that fades out linearly over T. So a change moves the
-/// torque of its first tick by h/T of what it changes in all.
+/// torque of its first tick by h/T of what it changes in all. While the arm brakes, it holds the
+/// pose it has, whatever the mode, with gains of their own that damp its posture.
 ///
 /// Sampled every h. The first anchor is the pose at the first tick.
 ///
@@ -77,6 +78,7 @@ class ComplianceSupervisor final : public Block {
     ComplianceGains null_space = {400, 40, 0, 0, 5, 1};
     ComplianceGains full_body = {30, 11, 1, 0, 4, 1};
     ComplianceGains yielding = {0, 15, 1, 0, 2, 1};
+    ComplianceGains braking = {400, 40, 0, 10, 20, 0};
     WrenchNorm norm = WrenchNorm::Force;
     double enter = 9;                                    ///< [N], > leave
     double leave = 5;                                    ///< [N], > 0
@@ -90,6 +92,7 @@ class ComplianceSupervisor final : public Block {
       f("null_space", null_space);
       f("full_body", full_body);
       f("yielding", yielding);
+      f("braking", braking);
       f("norm", norm);
       f("enter", enter, "N", kPositive);
       f("leave", leave, "N", kPositive);
@@ -102,7 +105,7 @@ class ComplianceSupervisor final : public Block {
   /// What it remembers from one tick to the next.
   struct Memory {
     ComplianceMode mode = ComplianceMode::NullSpace;
-    bool yields = false, started = false;
+    bool yields = false, brakes = false, started = false;
     Vector6 from = Vector6::Zero(), gains = Vector6::Zero();  // as in ComplianceGains
     double changed = 1;                                       // part of T that has gone
     Pose anchor;
@@ -116,6 +119,7 @@ class ComplianceSupervisor final : public Block {
     void Fields(Visitor&& f) {
       f("mode", mode, "");
       f("yields", yields, "");
+      f("brakes", brakes, "");
       f("started", started, "");
       f("from", from, "");
       f("gains", gains, "");
@@ -132,6 +136,7 @@ class ComplianceSupervisor final : public Block {
 
   Input<ComplianceMode> mode;  ///< NullSpace if not connected
   Input<bool> dynamic;         ///< no if not connected
+  Input<bool> brakes;          ///< no if not connected
   Input<Wrench> contact;       ///< at the wrist; none if not connected
   Input<FrameDynamics> tool;
   Output<bool> yields;
@@ -144,7 +149,7 @@ class ComplianceSupervisor final : public Block {
 
  private:
   Memory Next(const Memory& last, const ComplianceMode& mode, const bool& dynamic,
-              const Wrench& contact, const FrameDynamics& tool) const;
+              const bool& brakes, const Wrench& contact, const FrameDynamics& tool) const;
   const ComplianceGains& GainsOf(const Memory& m) const;
   internal::Course Way(const Memory& m) const;
   Pose Target(const Memory& m) const;

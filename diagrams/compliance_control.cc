@@ -2,13 +2,18 @@
 
 #include <algorithm>
 
+#include "pliant/controllers/current_fade.h"
 #include "pliant/controllers/external_acceleration.h"
 #include "pliant/controllers/frame_task.h"
+#include "pliant/controllers/pad_modes.h"
+#include "pliant/controllers/pad_player.h"
 #include "pliant/controllers/position_reference.h"
 #include "pliant/controllers/posture_task.h"
 #include "pliant/controllers/torque_error.h"
+#include "pliant/controllers/torque_to_current.h"
 #include "pliant/plants/model_dynamics.h"
 #include "pliant/systems/constant.h"
+#include "pliant/systems/switch.h"
 
 namespace pliant {
 
@@ -38,40 +43,104 @@ class ComplianceSchedule final : public Block {
   explicit ComplianceSchedule(const Options& o)
       : mode{this, "mode", {}, o.modes.mode},
         dynamic{this, "dynamic", {}, o.modes.dynamic},
-        modes_{o.modes},
+        control{this, "control", {}, o.modes.control.value_or(ArmControl::ProposedTorque)},
         now_{this, "now"} {
-    const std::vector<ComplianceChange>& changes = modes_.changes;
-    for (std::size_t i = 1; i < changes.size(); ++i)
-      Require(changes[i - 1].at_s < changes[i].at_s, "each mode begins after the one before it",
-              Text(changes[i].at_s) + " s behind " + Text(changes[i - 1].at_s) + " s");
+    const std::vector<ComplianceChange>& changes = o.modes.changes;
+    modes_.push_back(
+        {-kUnbounded,
+         {o.modes.mode, o.modes.dynamic, o.modes.control.value_or(ArmControl::ProposedTorque)}});
+    for (const ComplianceChange& change : changes) {
+      const Begins& last = modes_.back();
+      Require(last.at_s < change.at_s, "each mode begins after the one before it",
+              Text(change.at_s) + " s behind " + Text(last.at_s) + " s");
+      modes_.push_back(
+          {change.at_s,
+           {change.mode.value_or(last.now.mode), change.dynamic.value_or(last.now.dynamic),
+            change.control.value_or(last.now.control)}});
+    }
     Every(o.period).Compute(now_).From(clock).As(&ComplianceSchedule::At);
     Compute(mode).From(now_).As([](const Now& n) { return n.mode; });
     Compute(dynamic).From(now_).As([](const Now& n) { return n.dynamic; });
+    Compute(control).From(now_).As([](const Now& n) { return n.control; });
   }
 
   Output<ComplianceMode> mode;
   Output<bool> dynamic;
+  Output<ArmControl> control;
 
  private:
   struct Now {
     ComplianceMode mode = ComplianceMode::NullSpace;
     bool dynamic = false;
+    ArmControl control = ArmControl::ProposedTorque;
 
     template <class Visitor>
     void Fields(Visitor&& f) {
       f("mode", mode, "");
       f("dynamic", dynamic, "");
+      f("control", control, "");
     }
+  };
+  struct Begins {
+    double at_s;
+    Now now;
   };
 
   Now At(double t) const {
-    const auto after = std::ranges::upper_bound(modes_.changes, t, {}, &ComplianceChange::at_s);
-    if (after == modes_.changes.begin()) return {modes_.mode, modes_.dynamic};
-    return {std::prev(after)->mode, std::prev(after)->dynamic};
+    return std::prev(std::ranges::upper_bound(modes_, t, {}, &Begins::at_s))->now;
   }
 
-  const SupervisedModes modes_;
+  std::vector<Begins> modes_;
   Output<Now> now_;
+};
+
+/// Whether an arm is ever to be moved through Kinova's loop.
+bool WantsKinova(const SupervisedModes& modes) {
+  return modes.control == ArmControl::KinovaTorque || (modes.control && modes.pad) ||
+         std::ranges::any_of(modes.changes, [](const ComplianceChange& change) {
+           return change.control == ArmControl::KinovaTorque;
+         });
+}
+
+void RequireSwitches(const ComplianceControl::Options& o) {
+  const SupervisedModes& modes = *o.modes;
+  Require(!modes.pad || modes.changes.empty(),
+          "modes.pad says what is wanted; expected no modes.changes beside it");
+  if (!modes.control) {
+    Require(std::ranges::none_of(modes.changes, &std::optional<ArmControl>::has_value,
+                                 &ComplianceChange::control),
+            "modes.control must be given where a change of modes has a control: what moves the arm "
+            "at the start");
+    return;
+  }
+  Require(o.command == ArmCommand::Torque,
+          "modes.control says what moves the arm; expected no command beside it");
+  Require(std::holds_alternative<ProposedTorqueLoop>(o.torque_loop),
+          "modes.control changes between torque_loop and modes.kinova_loop, so torque_loop must be "
+          "!Proposed");
+  Require(!o.low_level || modes.kinova_loop || !WantsKinova(modes),
+          "modes.kinova_loop must be given for the control kinova_torque: its gains are not "
+          "published");
+}
+
+/// Whether an arm is moved by a given control.
+class Moves final : public Block {
+ public:
+  struct Options {
+    ArmControl control;
+  };
+
+  explicit Moves(const Options& o) : control_{o.control} {
+    Compute(y).From(control).As(&Moves::Is);
+  }
+
+  Input<ArmControl> control{this, "control"};
+  Output<bool> y{this, "y"};
+
+ private:
+  bool Is(ArmControl now) const { return now == control_; }
+
+  const ArmControl control_;
 };
 
 /// A number for all joints, or one for each.
@@ -132,6 +201,8 @@ ComplianceControl::ComplianceControl(const Options& o)
       measured_torque{this, "measured_torque", o.model.joints()},
       true_torque{this, "true_torque", o.model.joints(), JointTorque::Zero(o.model.joints())},
       wrench{this, "wrench", {}, Wrench()},
+      measured_current{this, "measured_current", o.model.joints(),
+                       MotorCurrent::Zero(o.model.joints())},
       torque{this, "torque", o.model.joints()},
       current{this, "current", o.model.joints()},
       torque_error{this, "torque_error", o.model.joints()},
@@ -142,6 +213,9 @@ ComplianceControl::ComplianceControl(const Options& o)
       residual{this, "residual", o.model.joints()},
       contact{this, "contact"},
       yields{this, "yields"},
+      arm_control{this, "arm_control"},
+      arm_mode{this, "arm_mode"},
+      braking{this, "braking"},
       distance{this, "distance", PairsOf(o)},
       door{this, "door"},
       target{this, "target"},
@@ -152,12 +226,14 @@ ComplianceControl::ComplianceControl(const Options& o)
   const Joints& joints = o.model.joints();
   const int n = o.model.size();
   const bool open_loop = o.command == ArmCommand::Position;
+  const bool switches = o.modes && o.modes->control;
   RequireInRange("", o);
   Require(o.pose.weight > 0 || !(o.modes || o.reference || o.door),
           "modes, reference and door move the tool, so pose.weight must be > 0", o.pose.weight);
   Require(!o.door || o.pose.mobility.size() == 0,
           "the door gives the pose its mobility; expected none of pose.mobility");
   RequireOneForEach(joints, "position", o.position.size());
+  if (o.modes) RequireSwitches(o);
   RobotDynamics start(o.model, {o.tool});
   ComputeDynamics(o.model, o.position, JointVelocity::Zero(joints), start);
 
@@ -229,7 +305,8 @@ ComplianceControl::ComplianceControl(const Options& o)
   }
   auto& qp = Add<ComplianceQp>("qp", {.model = o.model, .period = o.period, .rows = row_count});
 
-  if (open_loop) {
+  PositionReference* moved = nullptr;
+  if (open_loop || switches) {
     auto& measured = Add<ModelDynamics>("measured_dynamics",
                                         {.model = o.model, .rotor_inertia = o.rotor_inertia});
     auto& reference = Add<PositionReference>(
@@ -241,6 +318,7 @@ ComplianceControl::ComplianceControl(const Options& o)
     Connect(reference.position, dynamics.position);
     Connect(reference.velocity, dynamics.velocity);
     Connect(reference.position, position);
+    moved = &reference;
   } else {
     Connect(measured_position, dynamics.position);
     Connect(measured_velocity, dynamics.velocity);
@@ -271,14 +349,30 @@ ComplianceControl::ComplianceControl(const Options& o)
     Connect(at, pose.target);
     Connect(at, target);
   };
+  ControlSupervisor* chooses = nullptr;
   if (o.modes) {
-    auto& schedule = Add<ComplianceSchedule>("schedule", {.modes = *o.modes, .period = o.period});
     ComplianceSupervisor::Options modes = o.modes->supervisor;
     modes.joints = n;
     modes.period = o.period;
     auto& supervisor = Add<ComplianceSupervisor>("supervisor", modes);
-    Connect(schedule.mode, supervisor.mode);
-    Connect(schedule.dynamic, supervisor.dynamic);
+    const Output<ArmControl>* wanted = nullptr;
+    const auto follow_wishes = [&](const auto& person) {
+      Connect(person.mode, supervisor.mode);
+      Connect(person.dynamic, supervisor.dynamic);
+      wanted = &person.control;
+    };
+    if (o.modes->pad) {
+      auto& pad = Add<PadPlayer>("pad", {.recording = *o.modes->pad, .period = o.period});
+      auto& person =
+          Add<PadModes>("wanted", {.mode = o.modes->mode,
+                                   .dynamic = o.modes->dynamic,
+                                   .control = o.modes->control.value_or(ArmControl::ProposedTorque),
+                                   .period = o.period});
+      Connect(pad.state, person.pad);
+      follow_wishes(person);
+    } else {
+      follow_wishes(Add<ComplianceSchedule>("schedule", {.modes = *o.modes, .period = o.period}));
+    }
     Connect(estimate.contact, supervisor.contact);
     Connect(pose.frame, supervisor.tool);
     aim(supervisor.target);
@@ -291,6 +385,26 @@ ComplianceControl::ComplianceControl(const Options& o)
     Connect(supervisor.posture_damping, posture.damping);
     Connect(supervisor.posture_compliance, posture.compliance);
     Connect(supervisor.yields, yields);
+    if (switches) {
+      auto& control = Add<ControlSupervisor>("control", {.joints = joints,
+                                                         .start = o.position,
+                                                         .first = *o.modes->control,
+                                                         .settings = o.modes->switching,
+                                                         .period = o.period});
+      Connect(*wanted, control.wanted);
+      Connect(moved->open, control.reference);
+      Connect(measured_position, control.measured_position);
+      Connect(measured_velocity, control.measured_velocity);
+      Connect(control.braking, supervisor.brakes);
+      Connect(control.follow, moved->follow);
+      Connect(measured_position, moved->measured_position);
+      Connect(measured_velocity, moved->measured_velocity);
+      Connect(control.posture, posture.target);
+      Connect(control.control, arm_control);
+      Connect(control.mode, arm_mode);
+      Connect(control.braking, braking);
+      chooses = &control;
+    }
   } else {
     auto& never = Add<Constant<bool>>("yields", {.value = false});
     Connect(never.y, yields);
@@ -353,31 +467,79 @@ ComplianceControl::ComplianceControl(const Options& o)
   Connect(errors.rate, pose_error_rate);
   Connect(posture.error, posture_error);
   Connect(qp.report, report);
-  if (o.low_level) {
-    TorqueLoop& low_level = std::visit(
-        [&](const auto& choice) -> TorqueLoop& {
-          const auto options = TorqueLoopOf(*o.low_level, choice);
-          using Loop =
-              typename BlockOf<LowLevelTorque, KinovaHighVelocityTorque, KinovaDampedTorque>::
-                  template type<std::remove_cv_t<decltype(options)>>;
-          return Add<Loop>("low_level", options);
-        },
-        o.torque_loop);
-    Connect(qp.torque, low_level.torque);
-    Connect(qp.acceleration, low_level.acceleration);
-    Connect(measured_velocity, low_level.measured_velocity);
+  if (!chooses) {
+    const ArmControl moves = open_loop                    ? ArmControl::Position
+                             : o.torque_loop.index() == 0 ? ArmControl::ProposedTorque
+                                                          : ArmControl::KinovaTorque;
+    const ControlMode in = open_loop     ? ControlMode::Position
+                           : o.low_level ? ControlMode::Current
+                                         : ControlMode::Torque;
+    Connect(Add<Constant<ArmControl>>("arm_control", {.value = moves}).y, arm_control);
+    Connect(Add<Constant<ControlMode>>("arm_mode", {.value = in}).y, arm_mode);
+    Connect(Add<Constant<bool>>("braking", {.value = false}).y, braking);
+  }
+  const PerJoint rotors =
+      o.rotor_inertia.size() > 0 ? o.rotor_inertia : PerJoint(PerJoint::Zero(n));
+  auto& miss = Add<TorqueError>("torque_error", {.joints = joints, .reflected_inertia = rotors});
+  Connect(qp.torque, miss.wanted);
+  Connect(qp.acceleration, miss.acceleration);
+  Connect(measured_torque, miss.measured);
+  Connect(miss.error, torque_error);
+
+  const auto add_loop = [&](const std::string& name, const auto& choice) -> TorqueLoop& {
+    const auto options = TorqueLoopOf(*o.low_level, choice);
+    using Loop =
+        typename BlockOf<LowLevelTorque, KinovaHighVelocityTorque,
+                         KinovaDampedTorque>::template type<std::remove_cv_t<decltype(options)>>;
+    auto& loop = Add<Loop>(name, options);
+    Connect(qp.torque, loop.torque);
+    Connect(qp.acceleration, loop.acceleration);
+    Connect(measured_velocity, loop.measured_velocity);
+    return loop;
+  };
+  if (chooses) {
+    auto& fade = Add<CurrentFade>(
+        "fade", {.joints = joints, .change_s = o.modes->supervisor.change_s, .period = o.period});
+    Connect(chooses->control, fade.control);
+    Connect(measured_current, fade.measured_current);
+    Connect(fade.current, current);
+    Connect(fade.saturated, saturated);
+    const auto add_fading = [&](const std::string& name, ArmControl control, const auto& choice,
+                                Input<MotorCurrent>& to, Input<JointBits>& cut) {
+      TorqueLoop& loop = add_loop(name, choice);
+      auto& moves = Add<Moves>(name + "_moves", {.control = control});
+      auto& sees = Add<Switch<JointTorque>>(name + "_sees", {.space = joints});
+      Connect(chooses->control, moves.control);
+      Connect(moves.y, sees.select);
+      Connect(measured_torque, sees.on);
+      Connect(miss.link, sees.off);
+      Connect(sees.y, loop.measured_torque);
+      Connect(loop.current, to);
+      Connect(loop.saturated, cut);
+    };
+    if (o.low_level) {
+      add_fading("low_level", ArmControl::ProposedTorque,
+                 std::get<ProposedTorqueLoop>(o.torque_loop), fade.proposed,
+                 fade.proposed_saturated);
+      add_fading("kinova", ArmControl::KinovaTorque,
+                 o.modes->kinova_loop.value_or(
+                     KinovaDampedLoop{.feedforward = 1, .gain = 0, .damping = 0}),
+                 fade.kinova, fade.kinova_saturated);
+    } else {
+      auto& motors = Add<TorqueToCurrent>(
+          "motors", {.joints = joints, .torque_per_ampere = PerJoint::Ones(n), .period = o.period});
+      Connect(qp.torque, motors.torque);
+      Connect(motors.current, fade.proposed);
+      Connect(motors.current, fade.kinova);
+    }
+  } else if (o.low_level) {
+    TorqueLoop& low_level =
+        std::visit([&](const auto& choice) -> TorqueLoop& { return add_loop("low_level", choice); },
+                   o.torque_loop);
     Connect(measured_torque, low_level.measured_torque);
     Connect(low_level.current, current);
-    Connect(low_level.error, torque_error);
     Connect(low_level.saturated, saturated);
   } else {
-    const PerJoint rotors =
-        o.rotor_inertia.size() > 0 ? o.rotor_inertia : PerJoint(PerJoint::Zero(n));
-    auto& miss = Add<TorqueError>("torque_error", {.joints = joints, .reflected_inertia = rotors});
-    Connect(qp.torque, miss.wanted);
-    Connect(qp.acceleration, miss.acceleration);
-    Connect(measured_torque, miss.measured);
-    Connect(miss.error, torque_error);
     auto& none = Add<Constant<MotorCurrent>>(
         "low_level", {.space = joints, .value = MotorCurrent::Zero(joints)});
     Connect(none.y, current);

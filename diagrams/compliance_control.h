@@ -10,9 +10,11 @@
 #include "pliant/controllers/collision_damper.h"
 #include "pliant/controllers/compliance_qp.h"
 #include "pliant/controllers/compliance_supervisor.h"
+#include "pliant/controllers/control_supervisor.h"
 #include "pliant/controllers/force_limit.h"
 #include "pliant/controllers/frame_speed_limit.h"
 #include "pliant/controllers/joint_damper.h"
+#include "pliant/controllers/pad_events.h"
 #include "pliant/controllers/path_phase.h"
 #include "pliant/controllers/pose_reference.h"
 #include "pliant/controllers/virtual_door.h"
@@ -66,17 +68,19 @@ struct PostureGains {
   }
 };
 
-/// A mode that begins.
+/// A mode that begins. What is none stays what it was.
 struct ComplianceChange {
   double at_s = kToBeGiven;
-  ComplianceMode mode = ComplianceMode::NullSpace;
-  bool dynamic = false;
+  std::optional<ComplianceMode> mode = {};
+  std::optional<bool> dynamic = {};
+  std::optional<ArmControl> control = {};
 
   template <class F>
   void Parameters(F&& f) {
     f("at_s", at_s, "s", Between(0, 1e6));
     f("mode", mode);
     f("dynamic", dynamic);
+    f("control", control);
   }
 };
 
@@ -84,14 +88,23 @@ struct ComplianceChange {
 struct SupervisedModes {
   ComplianceMode mode = ComplianceMode::NullSpace;  ///< at the start
   bool dynamic = false;
+  /// What moves the arm at the start, and may change; none: `command` and `torque_loop` all along.
+  std::optional<ArmControl> control = {};
+  std::optional<KinovaDampedLoop> kinova_loop = {};  ///< of kinova_torque; not of an ideal arm
+  ControlSupervisor::Settings switching = {};
   std::vector<ComplianceChange> changes = {};  ///< in order of time
+  std::optional<PadEvents> pad = {};  ///< instead: what a game controller was recorded to say
   ComplianceSupervisor::Options supervisor = {};
 
   template <class F>
   void Parameters(F&& f) {
     f("mode", mode);
     f("dynamic", dynamic);
+    f("control", control);
+    f("kinova_loop", kinova_loop);
+    f("switching", switching);
     f("changes", changes);
+    f("pad", pad);
     supervisor.Parameters(f);
   }
 };
@@ -120,6 +133,12 @@ inline const std::vector<std::string>& Words(ArmCommand) {
 /// The rotors are part of what the controller moves and gives its compliance to; the observer,
 /// which is driven by torque sensors behind the gears, takes them off again. With the command
 /// Position, tasks and limits are about the reference, and the estimate about the arm.
+///
+/// With `modes.control` the arm changes between position control and two torque loops while it
+/// runs; ControlSupervisor says when. Then the motors get currents in either loop, which fade from
+/// one to the other within `modes.change_s`, or of an ideal arm torques as if 1 A made 1 N·m; the
+/// reference follows the arm while torques move it, and a loop that does not move the arm sees no
+/// error.
 /// Source: Celerier et al. 2025 (EC).
 class ComplianceControl final : public Composite {
  public:
@@ -180,9 +199,10 @@ class ComplianceControl final : public Composite {
   Input<JointPosition> measured_position;
   Input<JointVelocity> measured_velocity;
   Input<JointTorque> measured_torque;
-  Input<JointTorque> true_torque;  ///< τ_e; 0 if not connected
-  Input<Wrench> wrench;            ///< of the wrist sensor; 0 if not connected
-  Output<JointTorque> torque;      ///< τ_d
+  Input<JointTorque> true_torque;        ///< τ_e; 0 if not connected
+  Input<Wrench> wrench;                  ///< of the wrist sensor; 0 if not connected
+  Input<MotorCurrent> measured_current;  ///< read with modes.control only
+  Output<JointTorque> torque;            ///< τ_d
   Output<MotorCurrent> current;
   Output<JointTorque> torque_error;        ///< τ_d − B q̈_d − τ, behind the gears
   Output<JointBits> saturated;             ///< joints whose current is cut
@@ -192,6 +212,9 @@ class ComplianceControl final : public Composite {
   Output<JointTorque> residual;            ///< of the observer
   Output<Wrench> contact;                  ///< at the wrist, without the tool
   Output<bool> yields;                     ///< the supervisor, in the mode Dual
+  Output<ArmControl> arm_control;          ///< what moves the arm
+  Output<ControlMode> arm_mode;            ///< the mode it is to be in for that
+  Output<bool> braking;                    ///< from torque to position
   Output<PairDistances> distance;          ///< of what is kept apart
   Output<DoorMotion> door;
   Output<Pose> target;           ///< of the tool, in the world

@@ -218,12 +218,17 @@ ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<Recor
   for (const EnvironmentPart& part : scenario.environment) std::visit(environment, part);
   control = &b.Add<ComplianceControl>("control", controller);
   auto& tool = b.Add<ToolMotion>("tool", station.model.joints());
-  auto& schedule = b.Add<ModeSchedule>(
-      "schedule", {.first = controller.command == ArmCommand::Position ? ControlMode::Position
-                            : controller.low_level                     ? ControlMode::Current
-                                                                       : ControlMode::Torque,
-                   .changes = scenario.schedule,
-                   .period = period});
+  const bool switches = controller.modes && controller.modes->control;
+  Require(!switches || scenario.schedule.empty(),
+          "controller.modes.control says what mode the arm is in; expected no schedule beside it");
+  ModeSchedule* schedule = nullptr;
+  if (!switches)
+    schedule = &b.Add<ModeSchedule>(
+        "schedule", {.first = controller.command == ArmCommand::Position ? ControlMode::Position
+                              : controller.low_level                     ? ControlMode::Current
+                                                                         : ControlMode::Torque,
+                     .changes = scenario.schedule,
+                     .period = period});
 
   b.Connect(arm->measured_position, link_motion.position);
   b.Connect(arm->measured_velocity, link_motion.velocity);
@@ -234,10 +239,11 @@ ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<Recor
   b.Connect(true_torque->torque, control->true_torque);
   b.Connect(arm->wrench, control->wrench);
   b.Connect(arm->motion, tool.motion);
-  b.Connect(schedule.mode, arm->mode);
+  b.Connect(switches ? control->arm_mode : schedule->mode, arm->mode);
+  if (switches) b.Connect(arm->measured_current, control->measured_current);
   b.Connect(control->torque, arm->torque_command);
   b.Connect(control->current, arm->current_command);
-  if (controller.command == ArmCommand::Position)
+  if (controller.command == ArmCommand::Position || switches)
     b.Connect(control->position, arm->position_command);  // else it holds its start
 
   if (!sink) return;
@@ -247,8 +253,11 @@ ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<Recor
   const auto record = [&](const auto&... values) { (b.Connect(values, recorder.in), ...); };
   record(arm->measured_position, arm->measured_velocity, arm->measured_torque,
          arm->measured_current, arm->wrench, arm->status, arm->position, arm->velocity,
-         arm->joint_torque, arm->energy, tool.position, tool.pose, tool.twist, true_torque->torque,
-         schedule.mode);
+         arm->joint_torque, arm->energy, tool.position, tool.pose, tool.twist, true_torque->torque);
+  if (switches)
+    record(control->arm_mode, control->arm_control, control->braking);
+  else
+    record(schedule->mode);
   record(control->torque, control->current, control->torque_error, control->saturated,
          control->target, control->position, control->acceleration, control->external_torque,
          control->residual, control->contact, control->pose_error, control->pose_error_rate,

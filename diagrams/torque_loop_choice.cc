@@ -2,6 +2,35 @@
 
 namespace pliant {
 
+namespace {
+
+std::string TextOf(const ProposedTorqueLoop& loop) {
+  const ProposedTorqueLoop paper;
+  std::string text = "torque loop of the RSS paper";
+  if (loop.lag_gain != paper.lag_gain) text += ", λ = " + Text(loop.lag_gain);
+  if (loop.leak_gain != paper.leak_gain) text += ", K_I = " + Text(loop.leak_gain);
+  if (loop.leak_time_s != paper.leak_time_s) text += ", θ = " + Text(loop.leak_time_s) + " s";
+  if (!loop.friction) text += ", without compensation of friction";
+  if (!loop.rotor_feedforward) text += ", without feedforward of the rotors";
+  return text;
+}
+
+std::string TextOf(const KinovaHighVelocityLoop& loop) {
+  return "Kinova's high-velocity torque loop, f = " + Text(loop.feedforward) +
+         ", k = " + Text(loop.gain);
+}
+
+std::string TextOf(const KinovaDampedLoop& loop) {
+  return "Kinova's damped torque loop, f = " + Text(loop.feedforward) + ", k = " + Text(loop.gain) +
+         ", d = " + Text(loop.damping) + " N·m·s/rad";
+}
+
+}  // namespace
+
+std::string TorqueLoopText(const TorqueLoopChoice& choice) {
+  return std::visit([](const auto& loop) { return TextOf(loop); }, choice);
+}
+
 LowLevelTorque::Options TorqueLoopOf(const LowLevelTorque::Options& motors,
                                      const ProposedTorqueLoop& choice) {
   LowLevelTorque::Options o = motors;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <variant>
 
 #include "pliant/controllers/kinova_torque.h"
@@ -64,6 +65,9 @@ struct KinovaDampedLoop {
 
 /// What makes currents of torques.
 using TorqueLoopChoice = std::variant<ProposedTorqueLoop, KinovaHighVelocityLoop, KinovaDampedLoop>;
+
+/// Such as "torque loop of the RSS paper" or "Kinova's high-velocity torque loop, f = 0, k = 20".
+std::string TorqueLoopText(const TorqueLoopChoice& choice);
 
 /// The proposed loop of these motors, with the gains of the choice.
 LowLevelTorque::Options TorqueLoopOf(const LowLevelTorque::Options& motors,

@@ -1,8 +1,11 @@
 # The command is no library: a test compiles the unit it is about.
+find_package(SDL2 REQUIRED)
 pliant_test(apps/arm_address_test.cc LIBRARIES pliant::systems)
 target_sources(apps_arm_address_test PRIVATE ${PROJECT_SOURCE_DIR}/apps/arm_address.cc)
 pliant_test(apps/doctor_checks_test.cc LIBRARIES pliant::systems)
 target_sources(apps_doctor_checks_test PRIVATE ${PROJECT_SOURCE_DIR}/apps/doctor_checks.cc)
+pliant_test(apps/pad_device_test.cc LIBRARIES pliant::controllers SDL2::SDL2)
+target_sources(apps_pad_device_test PRIVATE ${PROJECT_SOURCE_DIR}/apps/pad_device.cc)
 pliant_test(apps/progress_line_test.cc LIBRARIES pliant::analysis)
 
 # The command as a user meets it.

@@ -44,7 +44,7 @@ class Interruption(InFolder):
                 self.assertIn("pliant.run  whole: 0\n", told)
                 rows = re.search(r"statistics rows: (\d+)\n", told)[1]
                 self.assertIn(f"pliant.run  ticks: {rows}\n", told)
-                self.assertIn("identical: 10 signals", self.ends(0, "replay", log))
+                self.assertIn("identical: 13 signals", self.ends(0, "replay", log))
                 self.refuses(f"{log}: the run ended at {self.last_time(log):.10g} s of 100000 s; "
                              "a report needs whole runs", "report", log, "--out", "report")
 
@@ -91,7 +91,7 @@ class Interruption(InFolder):
         self.assertRegex(self.ends(0, "log", "repair", log, "whole.mcap"), r"^kept \d+ messages in \d+ chunks\n")
         self.assertIn("whole       yes\n", self.ends(0, "log", "info", "whole.mcap"))
         self.assertEqual(self.last_time("whole.mcap"), self.last_time(log))
-        self.assertRegex(self.ends(0, "replay", "whole.mcap"), r"^identical: 10 signals over \d+ rows, 0 s to ")
+        self.assertRegex(self.ends(0, "replay", "whole.mcap"), r"^identical: 13 signals over \d+ rows, 0 s to ")
         self.assertRegex(self.ends(2, "report", "whole.mcap", "--out", "report"),
                          r"^pliant: whole.mcap: the run ended at [\d.]+ s of 100000 s; a report needs whole runs\n$")
 
@@ -108,7 +108,7 @@ class Interruption(InFolder):
         self.ends(0, "log", "info", "out/logs/short.mcap")
         self.assertEqual(self.pliant("log", "info", "out/logs/long.mcap").returncode, 1)
         self.ends(0, "log", "repair", "out/logs/long.mcap", "whole.mcap")
-        self.assertIn("identical: 10 signals", self.ends(0, "replay", "whole.mcap"))
+        self.assertIn("identical: 13 signals", self.ends(0, "replay", "whole.mcap"))
 
     def test_ends_with_3_when_the_report_has_no_room(self):
         room = 400000  # bytes: for the log, not for the page

@@ -19,7 +19,7 @@ claims:
 
 class Help(InFolder):
     COMMANDS = [["run"], ["experiment", "list"], ["experiment", "run"], ["report"], ["schema"], ["replay"],
-                ["export"], ["log", "info"], ["log", "repair"], ["doctor"]]
+                ["export"], ["log", "info"], ["log", "repair"], ["doctor"], ["pad"]]
 
     def examples(self):
         for words in [[], *self.COMMANDS]:
@@ -47,7 +47,7 @@ class Help(InFolder):
                                   capture_output=True, text=True)
             self.assertEqual(done.returncode, 0, f"{example}\n{done.stderr}")
             ran += 1
-        self.assertEqual(ran, 9)
+        self.assertEqual(ran, 10)
 
     def test_says_the_version_and_the_exit_codes(self):
         self.assertRegex(self.ends(0, "--version"), r"^\d+\.\d+\.\d+\n$")
@@ -226,12 +226,12 @@ class Run(InFolder):
         told = self.ends(0, "log", "info", "out/logs/run.mcap")
         self.assertIn("pliant.run  whole: 0\n", told)
         self.assertRegex(told, r"statistics rows: 20\d\n")
-        self.assertIn("identical: 10 signals", self.ends(0, "replay", "out/logs/run.mcap"))
+        self.assertIn("identical: 13 signals", self.ends(0, "replay", "out/logs/run.mcap"))
 
     def test_is_replayed_bit_for_bit(self):
         self.run_short()
         self.assertEqual(self.ends(0, "replay", "out/logs/run.mcap"),
-                         "identical: 10 signals over 101 rows, 0 s to 0.1 s\n")
+                         "identical: 13 signals over 101 rows, 0 s to 0.1 s\n")
         self.assertIn("identical: 2 signals over 101 rows",
                       self.ends(0, "replay", "out/logs/run.mcap", "--part", "control.estimate.observer"))
         self.refuses("out/logs/run.mcap: the diagram has no part 'contro'; did you mean 'control'?",

@@ -190,6 +190,27 @@ TEST(ComplianceSupervisor, SwingsWithTheRatesOfItsMotion) {
   EXPECT_LT((now - Eigen::Vector3d(0.4, 0.1, 0.3)).norm(), 1e-15) << "back at its anchor";
 }
 
+TEST(ComplianceSupervisor, HoldsThePoseItHasWhileTheArmBrakes) {
+  Tester t({.joints = 7});
+  t.Set(t->mode, ComplianceMode::FullBody);
+  t.Set(t->dynamic, true);
+  t.Set(t->tool, ToolAt({0.4, 0.1, 0.3}));
+  for (int k = 0; k < 1000; ++k) t.Tick();
+  const FrameDynamics off = ToolAt({0.5, 0.1, 0.3});
+  t.Set(t->tool, off);
+  t.Set(t->brakes, true);
+  for (int k = 0; k < 1000; ++k) t.Tick();
+  EXPECT_EQ(t.Get(t->pose_stiffness)(0), 400);
+  EXPECT_EQ(t.Get(t->pose_compliance)(0, 0), 0);
+  EXPECT_EQ(t.Get(t->posture_stiffness)(0), 10);
+  EXPECT_EQ(t.Get(t->posture_damping)(0), 20);
+  EXPECT_EQ(t.Get(t->target_twist), Twist());
+  t.Set(t->brakes, false);
+  for (int k = 0; k < 1000; ++k) t.Tick();
+  EXPECT_EQ(t.Get(t->pose_stiffness)(0), 30);
+  EXPECT_NE(t.Get(t->target_twist), Twist());
+}
+
 TEST(ComplianceSupervisor, RefusesThresholdsAndTimesThatAreNone) {
   const auto error = [](ComplianceSupervisor::Options o) {
     return ErrorOf([&] { ComplianceSupervisor supervisor(o); });

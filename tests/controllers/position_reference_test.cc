@@ -40,6 +40,27 @@ TEST(PositionReference, StandsStillWhereAnAccelerationIsNoNumber) {
   EXPECT_EQ(t.Get(t->position), stopped);
 }
 
+TEST(PositionReference, GoesOnFromTheArmItFollowed) {
+  const Joints joints({"a", "b"});
+  BlockTester<PositionReference> t({.joints = joints, .start = {0, 0}, .period = 1ms});
+  t.Set(t->acceleration, {1, -1});
+  t.Set(t->follow, true);
+  const JointPosition q{0.5, 0.2};
+  const JointVelocity v{0.1, -0.3};
+  t.Set(t->measured_position, q);
+  t.Set(t->measured_velocity, v);
+  for (int k = 0; k < 10; ++k) {
+    t.Tick();
+    ASSERT_EQ(t.Get(t->position), q);
+    ASSERT_EQ(t.Get(t->velocity), v);
+  }
+  t.Set(t->follow, false);
+  t.Tick();
+  const PerJoint a = t.Get(t->velocity) - PerJoint(v);
+  EXPECT_LT((a - PerJoint(Eigen::Vector2d(1e-3, -1e-3))).norm(), 1e-15);
+  EXPECT_LT((t.Get(t->position) - PerJoint(q + 1e-3 * v + 0.5e-3 * a)).norm(), 1e-15);
+}
+
 TEST(PositionReference, RefusesAStartOfAnotherArm) {
   EXPECT_EQ(ErrorOf([] {
               PositionReference({.joints = Joints({"a", "b"}), .start = {0}, .period = 1ms});

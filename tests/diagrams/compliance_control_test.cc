@@ -218,6 +218,63 @@ TEST(ComplianceControl, GivesWayThroughPositionsAsThroughTorques) {
   EXPECT_LT((position - torque).norm(), 0.01 * torque.norm());
 }
 
+/// A Gen3 with motors, held for a second in an extended posture.
+struct Real {
+  explicit Real(const TorqueLoopChoice& loop) {
+    ComplianceControl::Options control;
+    control.tool = "tool_frame";
+    control.torque_loop = loop;
+    Scenario scenario;
+    scenario.robot = "gen3";
+    scenario.station = StationOptions{.position = {0, 0.58, 3.14, -1.84, 0, 0.85, 1.57},
+                                      .engine = SimbodyPlant::Engine::Recursive};
+    scenario.controller = control;
+    scenario.duration_s = 1;
+    ScenarioDiagram scene(scenario);
+    const Diagram diagram = scene.builder.Build();
+    Simulator sim(diagram, {.integrator = scenario.integrator});
+    sim.AdvanceTo(1);
+    wanted = sim.Get(scene.control->torque);
+    error = sim.Get(scene.control->torque_error);
+    current = sim.Get(scene.control->current);
+    saturated = sim.Get(scene.control->saturated);
+    off = sim.Get(scene.control->pose_error).tail<3>().norm();
+    target = sim.Get(scene.control->target).position;
+  }
+  JointTorque wanted, error;
+  MotorCurrent current;
+  JointBits saturated = 0;
+  double off = 0;
+  Eigen::Vector3d target;
+};
+
+TEST(ComplianceControl, HoldsAnArmByAnyTorqueLoop) {
+  const Real as_ever(TorqueLoopChoice{}), bare(ProposedTorqueLoop{.lag_gain = 0, .leak_gain = 0}),
+      kinova(KinovaHighVelocityLoop{.feedforward = 0, .gain = 5}),
+      damped(KinovaDampedLoop{.feedforward = 0, .gain = 5, .damping = 10});
+  const double bias = 1;  // of the torque sensors and of stiction, some [N·m]
+  EXPECT_LT(as_ever.off, 2e-3);
+  EXPECT_LT(as_ever.error.norm(), 2 * bias);
+  EXPECT_GT(bare.off, as_ever.off);
+  // Without a feedforward 1/(1 + k) of the torque is missing, and the pose gives way for it.
+  for (const Real* run : {&kinova, &damped}) {
+    EXPECT_NEAR(run->error(1), run->wanted(1) / 6, 2 * bias);
+    EXPECT_GT(run->off, 5 * as_ever.off);
+    EXPECT_EQ(run->saturated, 0U);
+  }
+  EXPECT_EQ(as_ever.target, kinova.target);
+}
+
+TEST(ComplianceControl, RefusesLoopsWithoutTheGainsThatAreNotPublished) {
+  const auto error = [](const TorqueLoopChoice& loop) { return ErrorOf([&] { Real run(loop); }); };
+  EXPECT_EQ(error(KinovaHighVelocityLoop{.feedforward = 0, .gain = -1}),
+            "control.low_level.sum: gain must be >= 0, got -1");
+  EXPECT_EQ(error(KinovaHighVelocityLoop{.gain = 1}),
+            "control.low_level.sum: feedforward must be >= 0, got nan");
+  EXPECT_EQ(error(KinovaDampedLoop{.feedforward = 1, .gain = 1}),
+            "control.low_level.sum: damping must be >= 0 N·m·s/rad, got nan");
+}
+
 TEST(ComplianceControl, RefusesWhatItHasNoSensorFor) {
   Scenario scenario = Pushed(0, 0, TorqueEstimate::Fusion);
   EXPECT_EQ(ErrorOf([&] { ScenarioDiagram scene(scenario); }),

@@ -1,0 +1,58 @@
+#include "pliant/controllers/control_supervisor.h"
+
+#include <cmath>
+#include <numbers>
+
+namespace pliant {
+
+ControlSupervisor::ControlSupervisor(const Options& o)
+    : wanted{this, "wanted"},
+      reference{this, "reference", o.joints},
+      measured_position{this, "measured_position", o.joints},
+      measured_velocity{this, "measured_velocity", o.joints},
+      control{this, "control"},
+      mode{this, "mode"},
+      braking{this, "braking"},
+      follow{this, "follow"},
+      posture{this, "posture", o.joints},
+      settings_{o.settings},
+      alpha_{1 - std::exp(-2 * std::numbers::pi * o.settings.filter_hz * seconds(o.period))},
+      memory_{this,
+              "memory",
+              {},
+              {.control = o.first, .velocity = JointVelocity::Zero(o.joints), .posture = o.start}} {
+  RequireInRange("", o.settings);
+  RequireOneForEach(o.joints, "start", o.start.size());
+  Every(o.period)
+      .Compute(memory_)
+      .From(memory_, wanted, reference, measured_position, measured_velocity)
+      .As(&ControlSupervisor::Next);
+  Compute(control).From(memory_).As([](const Memory& m) { return m.control; });
+  Compute(mode).From(memory_).As([](const Memory& m) {
+    return m.control == ArmControl::Position ? ControlMode::Position : ControlMode::Current;
+  });
+  Compute(braking).From(memory_).As([](const Memory& m) { return m.braking; });
+  Compute(follow).From(memory_).As(
+      [](const Memory& m) { return m.control != ArmControl::Position; });
+  Compute(posture).From(memory_).As([](const Memory& m) { return m.posture; });
+}
+
+ControlSupervisor::Memory ControlSupervisor::Next(const Memory& last, ArmControl asked,
+                                                  const JointPosition& r, const JointPosition& q,
+                                                  const JointVelocity& v) const {
+  Memory m = last;
+  m.velocity += alpha_ * (v - last.velocity);
+  if (!m.velocity.allFinite()) m.velocity = v;
+  if (asked != ArmControl::Position) {
+    if (last.control != ArmControl::Position || (r - q).norm() < settings_.tracked_within)
+      m.control = asked;
+    m.braking = false;
+  } else if (last.control != ArmControl::Position) {
+    if (!last.braking) m.posture = q;
+    m.braking = !(m.velocity.norm() < settings_.rest_speed);
+    if (!m.braking) m.control = ArmControl::Position;
+  }
+  return m;
+}
+
+}  // namespace pliant
