@@ -13,6 +13,8 @@
 #include "pliant/analysis/difference_claim.h"
 #include "pliant/analysis/equivalence_claim.h"
 #include "pliant/analysis/experiment_figures.h"
+#include "pliant/analysis/friction_claim.h"
+#include "pliant/analysis/friction_figure.h"
 #include "pliant/analysis/motion_claims.h"
 #include "pliant/analysis/order_claim.h"
 #include "pliant/analysis/path_figure.h"
@@ -39,12 +41,12 @@ struct RunOf {
 /// Of a claim that is checked in each repetition, `Check` makes a Claim of its runs; of one about
 /// all of them, `Judge` makes it of the numbers `Wanted`. What must be so before a run is made:
 /// `RequireFit` of a run's scenario, `RequireSound` of what it will record, `RequireRepetitions`.
-using ClaimCheck =
-    std::variant<StandsStill, HoldsTool, YieldsAsInertia, KeepsLimits, DamperClaim, MovesAlong,
-                 KeepsDoor, BoundClaim, OrderClaim, DifferenceClaim, EquivalenceClaim>;
+using ClaimCheck = std::variant<StandsStill, HoldsTool, YieldsAsInertia, KeepsLimits, DamperClaim,
+                                MovesAlong, KeepsDoor, BoundClaim, OrderClaim, DifferenceClaim,
+                                EquivalenceClaim, FrictionIdentified>;
 /// `Draw` makes the figure of the first repetition's runs, or of the numbers `Wanted` in each.
 using FigureOf = std::variant<VelocityFigure, PredictionFigure, LimitFigure, SignalFigure,
-                              PhaseFigure, PathFigure, BarFigure>;
+                              PhaseFigure, PathFigure, BarFigure, FrictionFigure>;
 
 /// A file that can be run: a scenario, its runs, the claims to check and the figures to draw.
 struct Experiment {

@@ -45,8 +45,8 @@ class FrictionExperiment final : public Composite {
   Input<JointTorque> measured_torque;
   Input<JointTemperature> temperature;  ///< 0 if not connected
   Output<MotorCurrent> current;
-  Output<JointTorque> torque;  ///< that the motors are to make, κ i
-  Output<JointPosition> reference;   ///< where the joints are to be
+  Output<JointTorque> torque;       ///< that the motors are to make, κ i
+  Output<JointPosition> reference;  ///< where the joints are to be
   Output<JointTorque> break_away_up, break_away_down;
   Output<FrictionReport> report;
 };

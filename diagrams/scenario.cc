@@ -65,13 +65,21 @@ WristTool WristToolOf(const RobotModel& model, const WristSensor::Options& senso
           .tool = {.mass = load.mass, .center = load.center, .bias = sensor.bias}};
 }
 
+/// What the controller takes the actuators for.
+ArmActuators AssumedActuators(const Scenario& scenario, const SimulatedArm::Options& arm) {
+  const RobotModel& model = arm.model;
+  return Perturbed(
+      WithFriction(arm.actuators, model.joints(), FrictionOf(scenario.assumed_friction, model)),
+      scenario.model_error);
+}
+
 /// What of a controller depends on its kind: the actuators, and what hangs on the arm.
 void Complete(ComplianceControl::Options& control, const Scenario& scenario,
               const SimulatedArm::Options& arm) {
   const bool ideal = std::get<StationOptions>(scenario.station).ideal;
   if (!ideal)
-    control.low_level = LowLevelTorqueOf(Perturbed(arm.actuators, scenario.model_error),
-                                         control.model, control.period);
+    control.low_level =
+        LowLevelTorqueOf(AssumedActuators(scenario, arm), control.model, control.period);
   if (control.collisions && control.collisions->pairs == CollisionPairs{})
     control.collisions->pairs =
         CollisionPairs::Read(ModelFile(ArmOf(scenario).collisions), control.model);
@@ -80,7 +88,7 @@ void Complete(ComplianceControl::Options& control, const Scenario& scenario,
 
 void Complete(FrictionExperiment::Options& control, const Scenario& scenario,
               const SimulatedArm::Options& arm) {
-  const ArmActuators assumed = Perturbed(arm.actuators, scenario.model_error);
+  const ArmActuators assumed = AssumedActuators(scenario, arm);
   const auto friction = [&](double FrictionParameters::*figure) {
     return FiguresOf(assumed.joint, [figure](const ActuatorParameters& p) {
       return std::max(p.friction.*figure, kLeastFriction);

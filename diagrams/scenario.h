@@ -72,6 +72,8 @@ struct Scenario {
   std::variant<StationOptions> station = {};
   std::optional<Payload> payload = {};
   ModelError model_error = {};  ///< of the controller's model
+  /// What the controller takes for the joints' friction; without, that of the station.
+  std::vector<IdentifiedFriction> assumed_friction = {};
   ArmController controller = {};
   std::vector<ModeChange> schedule = {};  ///< of the arm's mode; none: the controller's all along
   std::vector<EnvironmentPart> environment = {};
@@ -87,6 +89,7 @@ struct Scenario {
     f("station", station);
     f("payload", payload);
     f("model_error", model_error);
+    f("assumed_friction", assumed_friction);
     f("controller", controller);
     f("schedule", schedule);
     f("environment", environment);
