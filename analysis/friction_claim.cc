@@ -59,6 +59,11 @@ class Comparison {
     covered_ += off <= interval;
     ++all_;
   }
+  /// A joint that was to be tested, and was not.
+  void Lacks(const std::string& name) {
+    measured_ += (measured_.empty() ? "" : "; ") + name + " was not tested";
+    holds_ = false;
+  }
   std::string measured() const {
     return measured_ + " " + TermOf(term_).unit + "; " + Text(covered_) + " of " + Text(all_) +
            " intervals hold the truth";
@@ -80,6 +85,13 @@ class Comparison {
   int covered_ = 0, all_ = 0;
 };
 
+std::vector<std::string> JointsToTest(const RunData& run) {
+  std::vector<std::string> joints = std::get<FrictionExperiment::Options>(run.control).test.joints;
+  if (joints.empty())
+    for (int j = 0; j < run.arm.model.size(); ++j) joints.push_back(run.arm.model.joint(j).name);
+  return joints;
+}
+
 }  // namespace
 
 void FrictionIdentified::RequireFit(const Scenario& scenario) const {
@@ -93,12 +105,17 @@ Claim FrictionIdentified::Check(const Runs& runs) const {
   Comparison comparison(tested, term);
   for (const ActuatorSize& size : SizesOf(tested)) {
     const SizeFit fit = FitOf(size);
-    if (of == FrictionOf::Sizes) comparison.Add(size.name, fit.all, size.joints);
-    for (std::size_t i = 0; of == FrictionOf::Joints && i < fit.each.size(); ++i)
+    if (of == FrictionGroup::Sizes) comparison.Add(size.name, fit.all, size.joints);
+    for (std::size_t i = 0; of == FrictionGroup::Joints && i < fit.each.size(); ++i)
       comparison.Add(tested.arm.model.joint(size.joints[i].joint).name, fit.each[i],
                      {size.joints[i]});
   }
-  const std::string of_whom = of == FrictionOf::Sizes ? "each actuator size" : "each joint";
+  for (const std::string& name : JointsToTest(tested))
+    if (std::ranges::none_of(TestedJointsOf(tested), [&](const TestedJoint& of_run) {
+          return tested.arm.model.joint(of_run.joint).name == name;
+        }))
+      comparison.Lacks(name);
+  const std::string of_whom = of == FrictionGroup::Sizes ? "each actuator size" : "each joint";
   return claim.Stated(
       comparison.measured(),
       "of " + of_whom +

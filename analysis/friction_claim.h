@@ -17,9 +17,9 @@ inline const std::vector<std::string>& Words(FrictionTerm) {
 }
 
 /// Whose friction is meant.
-enum class FrictionOf { Joints, Sizes };
+enum class FrictionGroup { Joints, Sizes };
 
-inline const std::vector<std::string>& Words(FrictionOf) {
+inline const std::vector<std::string>& Words(FrictionGroup) {
   static const std::vector<std::string> words{"joints", "sizes"};
   return words;
 }
@@ -38,7 +38,7 @@ struct FrictionIdentified {
   ClaimSource claim;
   std::string run;
   FrictionTerm term = FrictionTerm::Coulomb;
-  FrictionOf of = FrictionOf::Joints;
+  FrictionGroup of = FrictionGroup::Joints;
 
   template <class F>
   void Parameters(F&& f) {

@@ -22,3 +22,4 @@ pliant_test(controllers/compliance_supervisor_test.cc LIBRARIES pliant::controll
 pliant_test(controllers/frame_force_test.cc LIBRARIES pliant::controllers)
 pliant_test(controllers/virtual_door_test.cc LIBRARIES pliant::controllers)
 pliant_test(controllers/position_reference_test.cc LIBRARIES pliant::controllers)
+pliant_test(controllers/friction_excitation_test.cc LIBRARIES pliant::controllers)
