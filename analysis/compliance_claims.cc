@@ -42,7 +42,7 @@ double UseOfLimits(const RunData& run, int joint) {
 ///
 /// which pushes the tool against the stiffness of its pose; all of them at once, at worst.
 double StaticOffset(const RunData& run) {
-  const ComplianceControl::Options& o = run.control;
+  const ComplianceControl::Options& o = ComplianceOf(run.control);
   const LowLevelTorque::Options loop =
       TorqueLoopOf(*o.low_level, std::get<ProposedTorqueLoop>(o.torque_loop));
   const PerJoint missing = (loop.lag_gain * run.arm.sensors.torque_bias.cwiseAbs() +
@@ -85,8 +85,10 @@ double EndOfPlateau(const Scenario& scenario) {
   return last->start_s + last->duration_s - last->edge_s;
 }
 
-/// Between two rows of a coarser log anything may have happened.
+/// The claims are about a !Compliance, and between two rows of a coarser log anything may have
+/// happened.
 void RequireEveryTick(const Scenario& scenario) {
+  ComplianceOf(scenario.controller);
   const Duration control = ControlPeriodOf(scenario), log = LogPeriodOf(scenario);
   Require(!(control < log), "log_period must be <= " + control.text() + ", the controller's period",
           log.text());
@@ -94,14 +96,14 @@ void RequireEveryTick(const Scenario& scenario) {
 
 /// With positions commanded, the controller's error is that of its reference, not of the arm.
 void RequireTorque(const Scenario& scenario) {
-  Require(std::get<ComplianceControl::Options>(scenario.controller).command == ArmCommand::Torque,
+  Require(ComplianceOf(scenario.controller).command == ArmCommand::Torque,
           "controller.command must be torque: with positions, control.pose_error is not the arm's");
 }
 
 }  // namespace
 
 Series PredictedError(const RunData& run) {
-  const ComplianceControl::Options& o = run.control;
+  const ComplianceControl::Options& o = ComplianceOf(run.control);
   const Series a = TaskAcceleration(run.arm.model, o.tool, run["arm.measured_position"],
                                     run["true_torque.torque"], o.rotor_inertia);
   return DeviationBehindObserver(a, o.observer_gain, o.pose.damping, o.pose.stiffness,
@@ -109,7 +111,7 @@ Series PredictedError(const RunData& run) {
 }
 
 Series StaticError(const RunData& run) {
-  const ComplianceControl::Options& o = run.control;
+  const ComplianceControl::Options& o = ComplianceOf(run.control);
   return TaskAcceleration(run.arm.model, o.tool, run["arm.measured_position"],
                           run["true_torque.torque"], o.rotor_inertia) /
          o.pose.stiffness;
@@ -125,7 +127,7 @@ void StandsStill::RequireFit(const Scenario& scenario) const {
 
 Claim StandsStill::Check(const Runs& runs) const {
   const RunData& of = runs[run];
-  const bool real = of.control.low_level.has_value();
+  const bool real = ComplianceOf(of.control).low_level.has_value();
   const double turn = LargestTurn(of), shift = Largest(Norms(Linear(of["control.pose_error"])));
   // Ideal: the states are at rest, so the integrator adds nothing; what its tolerance would allow
   // is the bound.
@@ -147,7 +149,7 @@ void HoldsTool::RequireFit(const Scenario& scenario) const {
 Claim HoldsTool::Check(const Runs& runs) const {
   const RunData& of = runs[run];
   const ToolBound tool(of, factor);
-  const ComplianceControl::Options& o = of.control;
+  const ComplianceControl::Options& o = ComplianceOf(of.control);
   const double turn = LargestTurn(of) * kDegrees;
   const bool moves = joints_more_than_deg > 0;
   return claim.Stated(
@@ -177,7 +179,7 @@ Claim YieldsAsInertia::Check(const Runs& runs) const {
   const Eigen::Vector3d e = p.col(k) - p.col(0);  // of the tool itself, whatever is commanded
   const Eigen::Vector3d expected = StaticError(of).col(k).tail(3);
   const double off = (e - expected).norm() / expected.norm();
-  const std::string stiffness = Text(of.control.pose.stiffness);
+  const std::string stiffness = Text(ComplianceOf(of.control).pose.stiffness);
   return claim.Stated(
       "tool " + WithUnit(e.norm(), "m") + ", Λ⁻¹F/" + stiffness + " is " +
           WithUnit(expected.norm(), "m") + "; they differ by " + Text(std::round(1000 * off) / 10) +
@@ -185,8 +187,8 @@ Claim YieldsAsInertia::Check(const Runs& runs) const {
       "they differ by less than " + Text(100 * within) + " %, as vectors",
       "EC (9) at rest, Λ at the measured q, at the end of the push's plateau, when the "
       "transients of s² + " +
-          Text(of.control.pose.damping) + " s + " + stiffness + " are over; " + Text(100 * within) +
-          " % leaves room for the drift of the null space",
+          Text(ComplianceOf(of.control).pose.damping) + " s + " + stiffness + " are over; " +
+          Text(100 * within) + " % leaves room for the drift of the null space",
       off < within);
 }
 

@@ -16,6 +16,7 @@ constexpr const char* kVelocity = "arm.velocity";
 }  // namespace
 
 void DamperClaim::RequireFit(const Scenario& scenario) const {
+  ComplianceOf(scenario.controller);
   RequireRowBetween(from_s, to_s, scenario);
   const RobotModel model = RobotModel::FromUrdf(UrdfOf(scenario));
   Require(bound != DamperBound::Position ||
@@ -31,7 +32,7 @@ Claim DamperClaim::Check(const Runs& all) const {
   for (const std::string& name : runs) {
     const RunData& run = all[name];
     const Joint& j = run.arm.model.joint(run.arm.model.joint_index(joint));
-    const JointDamper::Options& damper = run.control.damper;
+    const JointDamper::Options& damper = ComplianceOf(run.control).damper;
     const RowsBetween rows(run.times(), from_s, to_s);
     const auto of = [&](const char* path) {
       const RecordedSignal& signal = run.log[path];

@@ -1,8 +1,12 @@
 #include "pliant/analysis/experiment.h"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
+#include <optional>
+#include <ranges>
 #include <set>
+#include <string_view>
 #include <type_traits>
 
 #include "pliant/analysis/parameter_schema.h"
@@ -30,13 +34,49 @@ class NamesOnly final : public RecordSink {
   std::vector<RecordedSignal> signals;
 };
 
+/// Where a file of identified friction may stand instead of what it says.
+constexpr std::array<std::string_view, 2> kFrictions{"station.friction", "assumed_friction"};
+
+/// The friction that a file says, so that a log needs no other file.
+std::string FrictionIn(const std::filesystem::path& file) {
+  const ParameterFile read = ParameterFile::Read(file);
+  FrictionFile friction;
+  read.Fill(friction);
+  return read["joints"].yaml();
+}
+
+/// A path is relative to `directory`.
+std::string WithFriction(std::string_view key, const std::string& yaml,
+                         const std::filesystem::path& directory) {
+  const bool names_a_file = std::ranges::find(kFrictions, key) != kFrictions.end() &&
+                            yaml.find_first_of("[{") == std::string::npos;
+  if (!names_a_file) return yaml;
+  return FrictionIn(directory / ParameterFile::ReadText(yaml, std::string(key)).text());
+}
+
+/// A text that stands at a place, if there is one.
+std::optional<std::string> YamlAt(const ParameterFile& file, std::string_view path) {
+  std::optional<ParameterFile> place = file;
+  for (const auto key : std::views::split(path, '.')) {
+    if (place) place = place->Find(std::string_view(key.begin(), key.end()));
+  }
+  if (!place) return {};
+  return place->yaml();
+}
+
 Experiment Filled(const std::string& text, const std::string& source, const Overrides& set,
                   const RunOf* run) {
+  const std::filesystem::path beside = std::filesystem::path(source).parent_path();
   ParameterFile file = ParameterFile::ReadText(text, source);
-  for (const auto& [path, yaml] : set) file.Set(path, yaml, "--set " + path + "=" + yaml);
+  for (const std::string_view key : kFrictions)
+    if (const auto yaml = YamlAt(file, key))
+      file.Set(std::string(key), WithFriction(key, *yaml, beside), source);
+  for (const auto& [path, yaml] : set)
+    file.Set(path, WithFriction(path, yaml, {}), "--set " + path + "=" + yaml);
   if (run)
     for (const auto& [path, yaml] : run->set)
-      file.Set(path, yaml, source + ": run '" + run->name + "', " + path + ": " + yaml);
+      file.Set(path, WithFriction(path, yaml, beside),
+               source + ": run '" + run->name + "', " + path + ": " + yaml);
   Experiment experiment;
   file.Fill(experiment);
   return experiment;

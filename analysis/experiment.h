@@ -15,6 +15,8 @@
 #include "pliant/analysis/difference_claim.h"
 #include "pliant/analysis/equivalence_claim.h"
 #include "pliant/analysis/experiment_figures.h"
+#include "pliant/analysis/friction_claim.h"
+#include "pliant/analysis/friction_figure.h"
 #include "pliant/analysis/least_claim.h"
 #include "pliant/analysis/motion_claims.h"
 #include "pliant/analysis/order_claim.h"
@@ -45,10 +47,10 @@ struct RunOf {
 using ClaimCheck =
     std::variant<StandsStill, HoldsTool, YieldsAsInertia, KeepsLimits, DamperClaim, MovesAlong,
                  KeepsDoor, FollowsAsWell, ComesAsNear, KeepsContactLimits, BoundClaim, LeastClaim,
-                 OrderClaim, DifferenceClaim, EquivalenceClaim>;
+                 OrderClaim, DifferenceClaim, EquivalenceClaim, FrictionIdentified>;
 /// `Draw` makes the figure of the first repetition's runs, or of the numbers `Wanted` in each.
 using FigureOf = std::variant<VelocityFigure, PredictionFigure, LimitFigure, SignalFigure,
-                              NormFigure, PhaseFigure, PathFigure, BarFigure>;
+                              NormFigure, PhaseFigure, PathFigure, BarFigure, FrictionFigure>;
 
 /// A file that can be run: a scenario, its runs, the claims to check and the figures to draw.
 struct Experiment {

@@ -52,6 +52,11 @@ std::vector<Band> ContactBands(const Scenario& scenario) {
   return bands;
 }
 
+void VelocityFigure::RequireFit(const Scenario& scenario) const {
+  RequireFileName(name);
+  ComplianceOf(scenario.controller);
+}
+
 Figure VelocityFigure::Draw(const Runs& all) const {
   Figure figure{
       .name = file(),
@@ -87,6 +92,11 @@ Figure VelocityFigure::Draw(const Runs& all) const {
     }
   }
   return figure;
+}
+
+void PredictionFigure::RequireFit(const Scenario& scenario) const {
+  RequireFileName(name);
+  ComplianceOf(scenario.controller);
 }
 
 Figure PredictionFigure::Draw(const Runs& all) const {

@@ -29,7 +29,7 @@ struct VelocityFigure {
     f("runs", runs);
   }
   std::string file() const { return name; }
-  void RequireFit(const Scenario&) const { RequireFileName(name); }
+  void RequireFit(const Scenario& scenario) const;
   Figure Draw(const Runs& runs) const;
 };
 
@@ -48,7 +48,7 @@ struct PredictionFigure {
     f("as_if_static", as_if_static);
   }
   std::string file() const { return name; }
-  void RequireFit(const Scenario&) const { RequireFileName(name); }
+  void RequireFit(const Scenario& scenario) const;
   Figure Draw(const Runs& runs) const;
 };
 

@@ -14,7 +14,7 @@ namespace {
 constexpr const char* kPosition = "tool.position";
 
 const VirtualDoor::Options* DoorOf(const Scenario& scenario) {
-  const auto& control = std::get<ComplianceControl::Options>(scenario.controller);
+  const auto& control = ComplianceOf(scenario.controller);
   return control.door ? &*control.door : nullptr;
 }
 
@@ -44,9 +44,9 @@ struct Swing {
 
 /// τ_h − k (θ − θ₀) + τ_g − b θ̇ − c sgn θ̇ at each row.
 Eigen::VectorXd MomentOf(const RunData& run, const VirtualDoor::Options& door, const Swing& swing) {
-  const RobotModel& model = run.control.model;
+  const RobotModel& model = ModelOf(run.control);
   Eigen::VectorXd moment(swing.theta.size());
-  RobotDynamics d(model, {run.control.tool});
+  RobotDynamics d(model, {ToolOf(run.control)});
   const Series& q = run["arm.position"];
   const std::vector<Push::Options> pushes = PushesOf(run.scenario);
   for (Eigen::Index k = 0; k < moment.size(); ++k) {

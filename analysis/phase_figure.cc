@@ -41,14 +41,15 @@ void Set(Axis& axis, const Extremes& of) {
 
 /// λ/(4M²), of ë_p = 0.
 double SlopeOf(const RunData& run) {
-  const auto& damper = run.control.damper;
+  const auto& damper = ComplianceOf(run.control).damper;
   return damper.rate / (4 * damper.damping_ratio * damper.damping_ratio);
 }
 
 /// Where the damper of a run begins to brake before a bound, across the panel.
 Curve DamperLine(const RunData& run, const Bound& bound, double range, const Axis& x,
                  std::string label) {
-  const double safe = bound.limit - bound.outward * run.control.damper.safety_distance * range;
+  const double safe =
+      bound.limit - bound.outward * ComplianceOf(run.control).damper.safety_distance * range;
   const double far = bound.outward > 0 ? *x.from : *x.to;
   return {.label = std::move(label),
           .x = {far, safe},
@@ -60,6 +61,7 @@ Curve DamperLine(const RunData& run, const Bound& bound, double range, const Axi
 
 void PhaseFigure::RequireFit(const Scenario& scenario) const {
   RequireFileName(name);
+  ComplianceOf(scenario.controller);
   RequireRowBetween(from_s, to_s, scenario);
 }
 
@@ -82,13 +84,13 @@ Figure PhaseFigure::Draw(const Runs& all) const {
   }
 
   const RunData& first = all[runs.front()];
-  const RobotModel& model = first.control.model;
+  const RobotModel& model = ModelOf(first.control);
   const Joint& of = model.joint(static_cast<int>(first.log[kPosition].row(joint)));
   const bool has_positions = of.type != Joint::Type::Continuous;
   const double range = of.upper - of.lower;
   double nearest = kUnbounded, fastest = 0;  // d_s and q̇⁺, of the run that is allowed most
   for (const std::string& name_of_run : runs) {
-    const auto& damper = all[name_of_run].control.damper;
+    const auto& damper = ComplianceOf(all[name_of_run].control).damper;
     nearest = std::min(nearest, damper.safety_distance * range);
     fastest = std::max(fastest, damper.velocity_fraction * of.velocity);
   }
@@ -123,7 +125,7 @@ Figure PhaseFigure::Draw(const Runs& all) const {
     std::vector<std::pair<double, double>> drawn;
     for (const std::string& name_of_run : runs) {
       const RunData& run = all[name_of_run];
-      const std::pair line{SlopeOf(run), run.control.damper.safety_distance};
+      const std::pair line{SlopeOf(run), ComplianceOf(run.control).damper.safety_distance};
       if (std::ranges::find(drawn, line) != drawn.end()) continue;
       drawn.push_back(line);
       const bool is_first = std::ranges::none_of(

@@ -155,7 +155,7 @@ ReplaySection ReplaySectionOf(const std::vector<const RunData*>& runs, std::size
   const RunData& first = *runs.front();
   const Json all{{"plots", {{"arm.measured_position"}, {"control.torque"}, {"control.pose_error"}}},
                  {"runs", list},
-                 {"robot", JsonOf(first.arm.model, first.control.tool)}};
+                 {"robot", JsonOf(first.arm.model, ToolOf(first.control))}};
   std::string json = all.dump(-1, ' ', false, Json::error_handler_t::replace);
   for (std::size_t at = 0; (at = json.find('<', at)) != std::string::npos;)
     json.replace(at, 1, "\\u003c");

@@ -32,14 +32,14 @@ struct RunHeading {
 struct RunData : RunHeading {
   Scenario scenario = {};
   SimulatedArm::Options arm = {};
-  ComplianceControl::Options control = {};
+  ArmController control = {};
   Recording log = {};
 
   /// Throws Error with the file if it is no log of a run.
   static RunData Read(const std::filesystem::path& file);
 
   const Eigen::VectorXd& times() const;  ///< of the rows of the log [s]
-  Duration sample_period() const { return scenario.log_period.value_or(control.period); }
+  Duration sample_period() const { return scenario.log_period.value_or(PeriodOf(control)); }
   /// A column for each of `times`, a row for each element.
   const Eigen::MatrixXd& operator[](std::string_view path) const { return log[path].numbers; }
 };

@@ -239,10 +239,8 @@ std::string EstimatorOf(const ComplianceControl::Options& c) {
   return "none: external torques are taken for 0";
 }
 
-std::vector<Setting> SettingsOfRun(const RunData& run) {
-  const Scenario& s = run.scenario;
-  const StationOptions& station = std::get<StationOptions>(s.station);
-  const ComplianceControl::Options& c = run.control;
+/// What a kind of controller has to say of itself, under the same names for all kinds.
+std::vector<Setting> SettingsOf(const ComplianceControl::Options& c) {
   const auto gains = [](const auto& g) {
     const auto text = [](const auto& x) {
       if constexpr (requires { x.size(); })
@@ -252,27 +250,60 @@ std::vector<Setting> SettingsOfRun(const RunData& run) {
     };
     return text(g.stiffness) + " 1/s², " + text(g.damping) + " 1/s, weight " + Text(g.weight);
   };
-  return {
+  return {{"controller", "one QP at " + c.period.text() + ": pose of " + c.tool + " " +
+                             gains(c.pose) + "; posture " + gains(c.posture)},
+          {"limits", LimitsOf(c)},
+          {"estimator", EstimatorOf(c)},
+          {"compliance", c.modes ? "as the modes say"
+                                 : "Γ = " + MatrixText(c.pose.compliance) + " of the pose, " +
+                                       MatrixText(c.posture.compliance) + " of the posture"}};
+}
+
+std::vector<Setting> SettingsOf(const FrictionExperiment::Options& c) {
+  const FrictionTest& t = c.test;
+  return {{"controller", "friction test at " + c.period.text() + ": " + Text(t.break_aways) +
+                             " ramps each way, " + Text(t.speeds) + " speeds up to " +
+                             Text(100 * t.speed) + " % of the limits, each " + Text(t.settle_s) +
+                             " s to settle and " + Text(t.dwell_s) + " s to measure"},
+          {"limits", Text(100 * t.velocity_limit) + " % of the velocity limits; " +
+                         Text(t.position_tolerance) + " rad off the reference or beyond " +
+                         Text(100 * t.range) + " % of the way to a position limit; " +
+                         Text(t.temperature_limit) + " °C; " + Text(t.joint_time_limit_s) +
+                         " s for a joint"},
+          {"estimator", "none"},
+          {"compliance", "none"}};
+}
+
+/// What makes currents of torques.
+std::string LoopOf(const ArmController& controller) {
+  const auto* c = std::get_if<ComplianceControl::Options>(&controller);
+  return c ? ", " + TorqueLoopText(c->torque_loop) : "";
+}
+
+std::vector<Setting> SettingsOfRun(const RunData& run) {
+  const Scenario& s = run.scenario;
+  const StationOptions& station = std::get<StationOptions>(s.station);
+  const auto rotors = std::visit([](const auto& c) { return c.rotor_inertia; }, run.control);
+  std::vector<Setting> settings{
       {"robot",
        run.arm.model.name() +
            (station.ideal ? ", ideal torque actuators and sensors"
                           : ", elastic gears with friction, sensors with noise and offsets "
                             "(seed " +
-                                Text(s.seed) + "), " + TorqueLoopText(c.torque_loop))},
-      {"rotor inertia", Text(c.rotor_inertia.transpose()) + " kg·m², reflected"},
-      {"plant", Words(station.engine)[static_cast<std::size_t>(station.engine)]},
-      {"controller", "one QP at " + c.period.text() + ": pose of " + c.tool + " " + gains(c.pose) +
-                         "; posture " + gains(c.posture)},
-      {"limits", LimitsOf(c)},
-      {"estimator", EstimatorOf(c)},
-      {"compliance", c.modes ? "as the modes say"
-                             : "Γ = " + MatrixText(c.pose.compliance) + " of the pose, " +
-                                   MatrixText(c.posture.compliance) + " of the posture"},
-      {"integrator", std::string(Name(s.integrator.method)) + ", tolerances " +
-                         Text(s.integrator.relative_tolerance) + " relative, " +
-                         Text(s.integrator.absolute_tolerance) + " absolute"},
-      {"duration", Text(s.duration_s) + " s, a row of the log each " + run.sample_period().text()},
-      {"version", "pliant " + run.version + "; " + run.built_with}};
+                                Text(s.seed) + ")" + LoopOf(run.control))},
+      {"rotor inertia", Text(rotors.transpose()) + " kg·m², reflected"},
+      {"plant", Words(station.engine)[static_cast<std::size_t>(station.engine)]}};
+  for (Setting& setting : std::visit([](const auto& c) { return SettingsOf(c); }, run.control))
+    settings.push_back(std::move(setting));
+  for (Setting& setting : std::vector<Setting>{
+           {"integrator", std::string(Name(s.integrator.method)) + ", tolerances " +
+                              Text(s.integrator.relative_tolerance) + " relative, " +
+                              Text(s.integrator.absolute_tolerance) + " absolute"},
+           {"duration",
+            Text(s.duration_s) + " s, a row of the log each " + run.sample_period().text()},
+           {"version", "pliant " + run.version + "; " + run.built_with}})
+    settings.push_back(std::move(setting));
+  return settings;
 }
 
 /// What all runs of a repetition have in common, and where they differ.

@@ -1,8 +1,10 @@
 #include "pliant/diagrams/scenario.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <type_traits>
 
 #include "pliant/plants/model_dynamics.h"
 #include "pliant/plants/shared_file.h"
@@ -19,6 +21,9 @@ namespace {
 /// What random numbers are for: other numbers than those of sensors and of models with errors, so
 /// that all may have one seed.
 enum Use : std::uint64_t { kScatter = 400 };
+
+/// Assumed where an arm has no friction: a pace for ramps and steps [N·m], [N·m·s/rad].
+constexpr double kLeastFriction = 0.1;
 
 /// An arm that comes with pliant.
 struct KnownArm {
@@ -58,6 +63,77 @@ WristTool WristToolOf(const RobotModel& model, const WristSensor::Options& senso
   const Inertial& load = model.link(model.link_index(sensor.frame)).inertial;
   return {.frame = sensor.frame,
           .tool = {.mass = load.mass, .center = load.center, .bias = sensor.bias}};
+}
+
+/// What the controller takes the actuators for.
+ArmActuators AssumedActuators(const Scenario& scenario, const SimulatedArm::Options& arm) {
+  const RobotModel& model = arm.model;
+  return Perturbed(
+      WithFriction(arm.actuators, model.joints(), FrictionOf(scenario.assumed_friction, model)),
+      scenario.model_error);
+}
+
+/// What of a controller depends on its kind: the actuators, and what hangs on the arm.
+void Complete(ComplianceControl::Options& control, const Scenario& scenario,
+              const SimulatedArm::Options& arm) {
+  const bool ideal = std::get<StationOptions>(scenario.station).ideal;
+  if (!ideal)
+    control.low_level =
+        LowLevelTorqueOf(AssumedActuators(scenario, arm), control.model, control.period);
+  if (control.collisions && control.collisions->pairs == CollisionPairs{})
+    control.collisions->pairs =
+        CollisionPairs::Read(ModelFile(ArmOf(scenario).collisions), control.model);
+  if (arm.wrist) control.wrist = WristToolOf(ModelOf(scenario), *arm.wrist);
+}
+
+void Complete(FrictionExperiment::Options& control, const Scenario& scenario,
+              const SimulatedArm::Options& arm) {
+  const ArmActuators assumed = AssumedActuators(scenario, arm);
+  const auto friction = [&](double FrictionParameters::*figure) {
+    return FiguresOf(assumed.joint, [figure](const ActuatorParameters& p) {
+      return std::max(p.friction.*figure, kLeastFriction);
+    });
+  };
+  control.torque_per_ampere = assumed.torque_per_ampere();
+  control.coulomb = friction(&FrictionParameters::coulomb);
+  control.viscous = friction(&FrictionParameters::viscous);
+  control.tool = control.model.links().back().name;
+  Require(scenario.schedule.empty(),
+          "schedule must be empty: !FrictionExperiment commands currents all along");
+  const double length = FrictionExperiment::LengthOf(control);
+  Require(scenario.duration_s >= length,
+          "duration_s must be >= " + Text(std::ceil(length)) +
+              " s for the joints and speeds of !FrictionExperiment",
+          scenario.duration_s);
+}
+
+/// The mode of the arm that a controller is made for.
+ControlMode ModeOf(const ComplianceControl::Options& control) {
+  return control.command == ArmCommand::Position ? ControlMode::Position
+         : control.low_level                     ? ControlMode::Current
+                                                 : ControlMode::Torque;
+}
+ControlMode ModeOf(const FrictionExperiment::Options&) { return ControlMode::Current; }
+
+/// What of a controller is worth a place in the log.
+std::vector<const internal::Value*> RecordedOf(const ComplianceControl& control,
+                                               const ComplianceControl::Options& o) {
+  std::vector<const internal::Value*> values{
+      &control.torque,        &control.current,  &control.torque_error, &control.saturated,
+      &control.target,        &control.position, &control.acceleration, &control.external_torque,
+      &control.residual,      &control.contact,  &control.pose_error,   &control.pose_error_rate,
+      &control.posture_error, &control.report};
+  if (o.collisions) values.push_back(&control.distance);
+  if (o.door) values.push_back(&control.door);
+  if (o.modes) values.push_back(&control.yields);
+  if (o.modes && o.modes->control)
+    values.insert(values.end(), {&control.arm_mode, &control.arm_control, &control.braking});
+  return values;
+}
+std::vector<const internal::Value*> RecordedOf(const FrictionExperiment& control,
+                                               const FrictionExperiment::Options&) {
+  return {&control.current,       &control.torque,          &control.reference,
+          &control.break_away_up, &control.break_away_down, &control.report};
 }
 
 Duration Seconds(double s) {
@@ -167,26 +243,45 @@ SimulatedArm::Options StationOf(const Scenario& scenario) {
   return arm.station(model, options);
 }
 
-ComplianceControl::Options ControllerOf(const Scenario& scenario,
-                                        const SimulatedArm::Options& arm) {
-  ComplianceControl::Options control = std::get<ComplianceControl::Options>(scenario.controller);
-  Require(!arm.firmware.compensated,
-          "robot '" + scenario.robot +
-              "' carries its own weight, and !Compliance commands gravity: expected a robot that "
-              "does not, such as gen3");
-  const bool ideal = std::get<StationOptions>(scenario.station).ideal;
-  control.model = Perturbed(ModelOf(scenario), scenario.model_error);
-  control.position = arm.position;
-  control.rotor_inertia = arm.actuators.reflected_inertia();
-  control.period = PeriodOf(arm);
-  if (!ideal)
-    control.low_level = LowLevelTorqueOf(Perturbed(arm.actuators, scenario.model_error),
-                                         control.model, control.period);
-  if (control.collisions && control.collisions->pairs == CollisionPairs{})
-    control.collisions->pairs =
-        CollisionPairs::Read(ModelFile(ArmOf(scenario).collisions), control.model);
-  if (arm.wrist) control.wrist = WristToolOf(ModelOf(scenario), *arm.wrist);
-  return control;
+const ComplianceControl::Options& ComplianceOf(const ArmController& controller) {
+  return std::visit(
+      [](const auto& of) -> const ComplianceControl::Options& {
+        if constexpr (std::is_same_v<decltype(of), const ComplianceControl::Options&>)
+          return of;
+        else
+          throw Error("it is about a controller of the kind !Compliance, got !" +
+                      std::string(of.kTag));
+      },
+      controller);
+}
+
+const RobotModel& ModelOf(const ArmController& controller) {
+  return std::visit([](const auto& of) -> const RobotModel& { return of.model; }, controller);
+}
+
+const std::string& ToolOf(const ArmController& controller) {
+  return std::visit([](const auto& of) -> const std::string& { return of.tool; }, controller);
+}
+
+Duration PeriodOf(const ArmController& controller) {
+  return std::visit([](const auto& of) { return of.period; }, controller);
+}
+
+ArmController ControllerOf(const Scenario& scenario, const SimulatedArm::Options& arm) {
+  ArmController controller = scenario.controller;
+  std::visit(
+      [&](auto& control) {
+        Require(!arm.firmware.compensated,
+                "robot '" + scenario.robot + "' carries its own weight, and !" + control.kTag +
+                    " commands gravity: expected a robot that does not, such as gen3");
+        control.model = Perturbed(ModelOf(scenario), scenario.model_error);
+        control.position = arm.position;
+        control.rotor_inertia = arm.actuators.reflected_inertia();
+        control.period = PeriodOf(arm);
+        Complete(control, scenario, arm);
+      },
+      controller);
+  return controller;
 }
 
 Duration ControlPeriodOf(const Scenario& scenario) { return PeriodOf(StationOf(scenario)); }
@@ -205,9 +300,10 @@ std::vector<Push::Options> PushesOf(const Scenario& scenario) {
 ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<RecordSink> sink) {
   RequireInRange("", scenario);
   SimulatedArm::Options station = StationOf(scenario);
-  const ComplianceControl::Options controller = ControllerOf(scenario, station);
-  station.frames = {controller.tool};
-  const Duration period = control_period = controller.period;
+  const ArmController controller = ControllerOf(scenario, station);
+  const auto* compliance = std::get_if<ComplianceControl::Options>(&controller);
+  station.frames = {ToolOf(controller)};
+  const Duration period = control_period = PeriodOf(controller);
 
   // The plant's model at what the sensors say: contacts push the arm that is there.
   DiagramBuilder& b = builder;
@@ -216,35 +312,44 @@ ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<Recor
   arm = &b.Add<SimulatedArm>("arm", station);
   Environment environment(b, *arm, *true_torque, station.model, period);
   for (const EnvironmentPart& part : scenario.environment) std::visit(environment, part);
-  control = &b.Add<ComplianceControl>("control", controller);
+  if (compliance)
+    control = &b.Add<ComplianceControl>("control", *compliance);
+  else
+    friction =
+        &b.Add<FrictionExperiment>("control", std::get<FrictionExperiment::Options>(controller));
   auto& tool = b.Add<ToolMotion>("tool", station.model.joints());
-  const bool switches = controller.modes && controller.modes->control;
+  const bool switches = compliance && compliance->modes && compliance->modes->control;
   Require(!switches || scenario.schedule.empty(),
           "controller.modes.control says what mode the arm is in; expected no schedule beside it");
   ModeSchedule* schedule = nullptr;
   if (!switches)
     schedule = &b.Add<ModeSchedule>(
-        "schedule", {.first = controller.command == ArmCommand::Position ? ControlMode::Position
-                              : controller.low_level                     ? ControlMode::Current
-                                                                         : ControlMode::Torque,
+        "schedule", {.first = std::visit([](const auto& o) { return ModeOf(o); }, controller),
                      .changes = scenario.schedule,
                      .period = period});
 
   b.Connect(arm->measured_position, link_motion.position);
   b.Connect(arm->measured_velocity, link_motion.velocity);
   b.Connect(link_motion.dynamics, true_torque->dynamics);
-  b.Connect(arm->measured_position, control->measured_position);
-  b.Connect(arm->measured_velocity, control->measured_velocity);
-  b.Connect(arm->measured_torque, control->measured_torque);
-  b.Connect(true_torque->torque, control->true_torque);
-  b.Connect(arm->wrench, control->wrench);
+  const auto connect = [&](auto& to) {
+    b.Connect(arm->measured_position, to.measured_position);
+    b.Connect(arm->measured_velocity, to.measured_velocity);
+    b.Connect(arm->measured_torque, to.measured_torque);
+    b.Connect(to.current, arm->current_command);
+  };
+  if (control) {
+    connect(*control);
+    b.Connect(true_torque->torque, control->true_torque);
+    b.Connect(arm->wrench, control->wrench);
+    b.Connect(control->torque, arm->torque_command);
+    if (compliance->command == ArmCommand::Position || switches)
+      b.Connect(control->position, arm->position_command);  // else it holds its start
+  } else {
+    connect(*friction);
+  }
   b.Connect(arm->motion, tool.motion);
   b.Connect(switches ? control->arm_mode : schedule->mode, arm->mode);
   if (switches) b.Connect(arm->measured_current, control->measured_current);
-  b.Connect(control->torque, arm->torque_command);
-  b.Connect(control->current, arm->current_command);
-  if (controller.command == ArmCommand::Position || switches)
-    b.Connect(control->position, arm->position_command);  // else it holds its start
 
   if (!sink) return;
   auto& recorder =
@@ -254,17 +359,11 @@ ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<Recor
   record(arm->measured_position, arm->measured_velocity, arm->measured_torque,
          arm->measured_current, arm->wrench, arm->status, arm->position, arm->velocity,
          arm->joint_torque, arm->energy, tool.position, tool.pose, tool.twist, true_torque->torque);
-  if (switches)
-    record(control->arm_mode, control->arm_control, control->braking);
-  else
-    record(schedule->mode);
-  record(control->torque, control->current, control->torque_error, control->saturated,
-         control->target, control->position, control->acceleration, control->external_torque,
-         control->residual, control->contact, control->pose_error, control->pose_error_rate,
-         control->posture_error, control->report);
-  if (controller.collisions) record(control->distance);
-  if (controller.door) record(control->door);
-  if (controller.modes) record(control->yields);
+  if (schedule) record(schedule->mode);
+  for (const internal::Value* value :
+       control ? RecordedOf(*control, *compliance)
+               : RecordedOf(*friction, std::get<FrictionExperiment::Options>(controller)))
+    b.Connect(*value, recorder.in);
 }
 
 }  // namespace pliant

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "pliant/diagrams/compliance_control.h"
+#include "pliant/diagrams/friction_experiment.h"
 #include "pliant/diagrams/mode_schedule.h"
 #include "pliant/diagrams/simulated_arm.h"
 #include "pliant/diagrams/stations.h"
@@ -58,6 +59,12 @@ struct Payload {
 using EnvironmentPart =
     std::variant<Push::Options, HandHold, MassOnRope::Options, Surface::Options>;
 
+/// What commands the arm.
+using ArmController = std::variant<ComplianceControl::Options, FrictionExperiment::Options>;
+
+/// The settings of a !Compliance; throws Error if the controller is of another kind.
+const ComplianceControl::Options& ComplianceOf(const ArmController& controller);
+
 /// One run of an arm, as a file describes it: the fields are the keys, and what has a default may
 /// be left out.
 struct Scenario {
@@ -65,7 +72,9 @@ struct Scenario {
   std::variant<StationOptions> station = {};
   std::optional<Payload> payload = {};
   ModelError model_error = {};  ///< of the controller's model
-  std::variant<ComplianceControl::Options> controller = {};
+  /// What the controller takes for the joints' friction; without, that of the station.
+  std::vector<IdentifiedFriction> assumed_friction = {};
+  ArmController controller = {};
   std::vector<ModeChange> schedule = {};  ///< of the arm's mode; none: the controller's all along
   std::vector<EnvironmentPart> environment = {};
   IntegratorOptions integrator = {};
@@ -80,6 +89,7 @@ struct Scenario {
     f("station", station);
     f("payload", payload);
     f("model_error", model_error);
+    f("assumed_friction", assumed_friction);
     f("controller", controller);
     f("schedule", schedule);
     f("environment", environment);
@@ -99,7 +109,12 @@ std::filesystem::path UrdfOf(const Scenario& scenario);
 SimulatedArm::Options StationOf(const Scenario& scenario);
 
 /// The controller of a scenario for that arm: its model may have errors.
-ComplianceControl::Options ControllerOf(const Scenario& scenario, const SimulatedArm::Options& arm);
+ArmController ControllerOf(const Scenario& scenario, const SimulatedArm::Options& arm);
+
+/// What all controllers know of their arm.
+const RobotModel& ModelOf(const ArmController& controller);
+const std::string& ToolOf(const ArmController& controller);
+Duration PeriodOf(const ArmController& controller);
 
 /// The period of a scenario's controller, and that of the rows of its log.
 Duration ControlPeriodOf(const Scenario& scenario);
@@ -123,7 +138,8 @@ struct ScenarioDiagram {
 
   DiagramBuilder builder;
   SimulatedArm* arm;
-  ComplianceControl* control;
+  ComplianceControl* control = nullptr;    ///< if it is !Compliance
+  FrictionExperiment* friction = nullptr;  ///< if it is !FrictionExperiment
   ContactTorque* true_torque;
   Duration control_period;
 };

@@ -20,6 +20,9 @@ SimulatedArm::Options Station(const RobotModel& model, const StationOptions& o,
                               const std::string& actuators) {
   SimulatedArm::Options station{.model = model, .position = o.position, .engine = o.engine};
   station.actuators = ArmActuators::Read(ModelFile(actuators), model.joints());
+  if (!o.friction.empty())
+    station.actuators =
+        WithFriction(station.actuators, model.joints(), FrictionOf(o.friction, model));
   if (o.ideal)
     station.actuators = ArmActuators::Ideal(model.joints(), station.actuators.reflected_inertia());
   else
@@ -70,6 +73,15 @@ bool HasLink(const RobotModel& model, std::string_view name) {
 }
 
 }  // namespace
+
+FrictionFile FrictionOf(const std::vector<IdentifiedFriction>& joints, const RobotModel& model) {
+  for (const IdentifiedFriction& of : joints) {
+    model.joint_index(of.joint);
+    Require(std::ranges::count(joints, of.joint, &IdentifiedFriction::joint) == 1,
+            "friction has each joint once, got '" + of.joint + "' twice");
+  }
+  return {.sources = {}, .model = {}, .loss = {}, .directions = {}, .joints = joints};
+}
 
 SimulatedArm::Options SimulatedGen3(const RobotModel& model, const StationOptions& o) {
   SimulatedArm::Options station = Station(model, o, "gen3/actuators.yaml");

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "pliant/controllers/low_level_torque.h"
 #include "pliant/diagrams/simulated_arm.h"
+#include "pliant/plants/friction_file.h"
 
 namespace pliant {
 
@@ -15,16 +17,21 @@ struct StationOptions {
   /// Torque sources whose rotors turn with the links, exact joint sensors, no hard stops. What is
   /// left of a wrist sensor is its delay and range, of the LWR its interface.
   bool ideal = false;
-  std::uint64_t seed = 1;  ///< of the sensors' noise and bias
+  std::vector<IdentifiedFriction> friction = {};  ///< instead of that of the model's file
+  std::uint64_t seed = 1;                         ///< of the sensors' noise and bias
   SimbodyPlant::Engine engine = SimbodyPlant::Engine::Simbody;
 
   template <class F>
   void Parameters(F&& f) {
     f("position", position, "rad");
     f("ideal", ideal);
+    f("friction", friction);
     f("engine", engine);
   }
 };
+
+/// What was identified of joints of the model; throws Error for one it does not have, or twice.
+FrictionFile FrictionOf(const std::vector<IdentifiedFriction>& joints, const RobotModel& model);
 
 /// Kinova Gen3, 7 joints, with models/gen3/actuators.yaml: motors, friction, elastic gears, noisy
 /// sensors, hard stops, and the wrist sensor if the model has one. 1 kHz. The model is any of the

@@ -27,3 +27,4 @@ pliant_test(controllers/control_supervisor_test.cc LIBRARIES pliant::controllers
 pliant_test(controllers/frame_force_test.cc LIBRARIES pliant::controllers)
 pliant_test(controllers/virtual_door_test.cc LIBRARIES pliant::controllers)
 pliant_test(controllers/position_reference_test.cc LIBRARIES pliant::controllers)
+pliant_test(controllers/friction_excitation_test.cc LIBRARIES pliant::controllers)

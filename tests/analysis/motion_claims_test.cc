@@ -89,8 +89,10 @@ struct Door {
                    Vectors("push_1.force", {".force[x]", ".force[y]", ".force[z]"}, {"N", "N", "N"},
                            force),
                    Vectors("arm.position", names, units, joints)});
-    run.control.model = model;
-    run.control.tool = "tool_frame";
+    ComplianceControl::Options made;
+    made.model = model;
+    made.tool = "tool_frame";
+    run.control = made;
     VirtualDoor::Options door;
     door.hinge = hinge;
     door.axis = {0, 0, 2};

@@ -9,7 +9,7 @@ import time
 import command
 from command import SHORT, InFolder, main
 
-KEYS = ("title, summary, robot, station, payload, model_error, controller, schedule, environment, integrator, "
+KEYS = ("title, summary, robot, station, payload, model_error, assumed_friction, controller, schedule, environment, integrator, "
         "duration_s, seed, position_scatter, log_period, repeat, runs, claims, figures")
 CLAIM = """
 claims:
