@@ -4,7 +4,6 @@
 #include <cstring>
 #include <map>
 #include <new>
-#include <nlohmann/json.hpp>
 #include <numeric>
 #include <optional>
 #include <utility>
@@ -13,12 +12,16 @@
 #include "pliant/analysis/mcap_bytes.h"
 #include "pliant/analysis/mcap_format.h"
 #include "pliant/analysis/mcap_reader.h"
+#include "pliant/analysis/recorded_channel.h"
 #include "pliant/systems/error.h"
 #include "pliant/systems/nearest_name.h"
 
 namespace pliant {
 
 using internal::Cdr;
+using internal::HoldsNoRecording;
+using internal::NumbersOf;
+using internal::RecordedIn;
 
 namespace {
 
@@ -39,37 +42,6 @@ std::string Plain(std::string_view element) {
   return plain;
 }
 
-std::vector<std::string> Words(const McapChannel& channel, const std::string& key) {
-  const auto fail = [&](const std::string& found) {
-    throw Error(Printable(channel.topic) + ": the channel's metadata " + key +
-                " must be a list of words in JSON, got " + found);
-  };
-  const auto at = channel.metadata.find(key);
-  if (at == channel.metadata.end()) fail("none");
-  const auto list = nlohmann::json::parse(at->second, nullptr, /*allow_exceptions=*/false);
-  const auto is_word = [](const nlohmann::json& word) { return word.is_string(); };
-  if (!list.is_array() || !std::ranges::all_of(list, is_word)) fail(Printable(at->second));
-  return list.get<std::vector<std::string>>();
-}
-
-/// What is recorded in a channel; empty if it is nothing of ours.
-std::optional<RecordedValue> RecordedIn(const McapChannel& channel) {
-  const auto path = channel.metadata.find("pliant.path");
-  if (path == channel.metadata.end()) return std::nullopt;
-  const auto type = channel.metadata.find("pliant.type");
-  RecordedValue value{.path = path->second,
-                      .type = type == channel.metadata.end() ? "" : type->second,
-                      .elements = Words(channel, "pliant.elements"),
-                      .units = Words(channel, "pliant.units")};
-  if (value.elements.size() != value.units.size())
-    throw Error(Printable(channel.topic) + ": there must be a unit for each element, got " +
-                Text(value.units.size()) + " for " + Text(value.elements.size()));
-  if (channel.message_encoding != "cdr")
-    throw Error(Printable(channel.topic) + ": the messages must be cdr, got " +
-                Printable(channel.message_encoding));
-  return value;
-}
-
 std::string Described(const RecordedValue& value) {
   std::string text = value.type + " of";
   for (std::size_t i = 0; i < value.elements.size(); ++i)
@@ -85,14 +57,9 @@ struct Rows {
 
   void Add(const McapMessage& message) {
     const std::size_t count = value.elements.size();
-    if (message.data.size() != Cdr::kHead.size() + count * sizeof(double) || !IsCdr(message))
-      throw Error(Printable(message.channel.topic) + ": the message at " +
-                  Text(1e-9 * static_cast<double>(message.log_time)) + " s must be " + Text(count) +
-                  " numbers in little-endian CDR, got " + Text(message.data.size()) + " bytes");
-    times.push_back(message.log_time);
     numbers.resize(numbers.size() + count);
-    std::memcpy(numbers.data() + numbers.size() - count, message.data.data() + Cdr::kHead.size(),
-                count * sizeof(double));
+    NumbersOf(message, count, numbers.data() + numbers.size() - count);
+    times.push_back(message.log_time);
   }
 
   RecordedSignal Sorted() const {
@@ -125,20 +92,6 @@ std::string StringOf(const McapMessage& message) {
   return {reinterpret_cast<const char*>(data.data()), size - 1};  // without its 0
 }
 
-Error NotOurs(const std::filesystem::path& file, const McapReader& log) {
-  constexpr std::size_t kShown = 20;
-  std::string topics;
-  for (std::size_t i = 0; i < log.channels().size() && i < kShown; ++i)
-    topics += "\n  " + Printable(log.channels()[i].topic) + " : " +
-              Printable(log.channels()[i].schema_name);
-  if (log.channels().size() > kShown)
-    topics += "\n  and " + Text(log.channels().size() - kShown) + " more";
-  return Error(file.string() + " is an MCAP file of " +
-               (log.library().empty() ? "another program" : "'" + Printable(log.library()) + "'") +
-               " and holds no recording of pliant\n" +
-               (topics.empty() ? "it has no topics" : "its topics:" + topics));
-}
-
 Recording ReadLog(const std::filesystem::path& file) {
   const McapReader log(file);
   if (!log.fault().empty()) throw Error(log.fault());
@@ -156,7 +109,7 @@ Recording ReadLog(const std::filesystem::path& file) {
     of_channel[channel.id] = static_cast<std::size_t>(known - signals.begin());
     if (known == signals.end()) signals.push_back({*std::move(value), {}, {}});
   }
-  if (signals.empty()) throw NotOurs(file, log);
+  if (signals.empty()) throw Error(HoldsNoRecording(file, log));
 
   std::string robot_description;
   log.ForEach({}, [&](const McapMessage& message) {
