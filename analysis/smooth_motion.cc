@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <span>
 
 #include "pliant/systems/error.h"
 

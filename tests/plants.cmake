@@ -5,6 +5,7 @@ find_package(SUNDIALS REQUIRED)
 
 pliant_test(plants/kdl_test.cc LIBRARIES pliant::plants PkgConfig::kdl urdfdom::urdfdom_model)
 pliant_test(plants/robot_model_test.cc LIBRARIES pliant::plants)
+pliant_test(plants/urdf_inertials_test.cc LIBRARIES pliant::plants)
 pliant_test(plants/urdf_test.cc LIBRARIES pliant::plants)
 pliant_test(plants/robot_dynamics_test.cc LIBRARIES pliant::plants)
 pliant_test(plants/inertial_regressor_test.cc LIBRARIES pliant::plants)
