@@ -78,11 +78,12 @@ Theta PriorWeights(double deviation) {
   return weights / deviation;
 }
 
-/// T (π(θ); f) − b.
+/// s (T (π(θ); f) − b).
 class Rows final : public ceres::CostFunction {
  public:
-  Rows(const MatrixXd& T, const VectorXd& b, const std::vector<Matrix4d>& factors, Index others)
-      : T_{T}, b_{b}, factors_{factors}, others_{others} {
+  Rows(const MatrixXd& T, const VectorXd& b, const std::vector<Matrix4d>& factors, Index others,
+       const double& s)
+      : T_{T}, b_{b}, factors_{factors}, others_{others}, s_{s} {
     set_num_residuals(static_cast<int>(T.rows()));
     for (std::size_t k = 0; k < factors.size(); ++k) mutable_parameter_block_sizes()->push_back(10);
     if (others > 0) mutable_parameter_block_sizes()->push_back(static_cast<int32_t>(others));
@@ -98,14 +99,15 @@ class Rows final : public ceres::CostFunction {
       const MatrixXd Tk = T_.middleCols(10 * static_cast<Index>(k), 10);
       r += Tk * ParametersAt(factors_[k], theta);
       if (slopes && slopes[k])
-        Eigen::Map<RowMajor>(slopes[k], T_.rows(), 10) = Tk * SlopeAt(factors_[k], theta);
+        Eigen::Map<RowMajor>(slopes[k], T_.rows(), 10) = s_ * Tk * SlopeAt(factors_[k], theta);
     }
     if (others_ > 0) {
       const std::size_t k = factors_.size();
       r += T_.rightCols(others_) * Eigen::Map<const VectorXd>(at[k], others_);
       if (slopes && slopes[k])
-        Eigen::Map<RowMajor>(slopes[k], T_.rows(), others_) = T_.rightCols(others_);
+        Eigen::Map<RowMajor>(slopes[k], T_.rows(), others_) = s_ * T_.rightCols(others_);
     }
+    r *= s_;
     return true;
   }
 
@@ -114,6 +116,7 @@ class Rows final : public ceres::CostFunction {
   const VectorXd& b_;
   const std::vector<Matrix4d>& factors_;
   const Index others_;
+  const double& s_;
 };
 
 /// w θ.
@@ -180,19 +183,26 @@ ConsistentFit FitConsistentInertia(const InertiaRows& rows, const std::vector<In
   std::vector<double*> blocks;
   for (Theta& t : theta) blocks.push_back(t.data());
   if (f.size() > 0) blocks.push_back(f.data());
-  problem.AddResidualBlock(new Rows(T, rows.b, factors, f.size()), nullptr, blocks);
+  double s = 1;
+  problem.AddResidualBlock(new Rows(T, rows.b, factors, f.size(), s), nullptr, blocks);
   const Theta weights = PriorWeights(deviation);
   for (Theta& t : theta) problem.AddResidualBlock(new Prior(weights), nullptr, t.data());
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_QR;
-  options.max_num_iterations = 500;
+  options.max_num_iterations = 200;
   options.function_tolerance = 1e-14;
   options.gradient_tolerance = 1e-14;
   options.parameter_tolerance = 1e-12;
   options.logging_type = ceres::SILENT;
-  ceres::Solver::Summary summary;
-  ceres::Solve(options, &problem, &summary);
-  Require(summary.IsSolutionUsable(), "the fit of consistent inertia failed: " + summary.message);
+  // Rows of high weight make a narrow valley that bends. With the weight raised by steps every
+  // solution is near the next.
+  const double far = rows.b.norm();
+  for (s = std::min(1.0, 10 / std::max(far, 1e-300));; s = std::min(1.0, 10 * s)) {
+    ceres::Solver::Summary summary;
+    ceres::Solve(options, &problem, &summary);
+    Require(summary.IsSolutionUsable(), "the fit of consistent inertia failed: " + summary.message);
+    if (s == 1) break;
+  }
 
   // The Jacobian of all residuals, whose inverse square is the covariance of (θ, f).
   MatrixXd J = MatrixXd::Zero(T.rows() + inertial, T.cols());
