@@ -24,6 +24,7 @@ class CannotGoOn : public std::runtime_error {
 
 void AddRunCommands(CLI::App& app, std::vector<Command>& commands);  ///< run, experiment, report
 void AddLogCommands(CLI::App& app, std::vector<Command>& commands);  ///< replay, export, log
+void AddIdentifyCommands(CLI::App& app, std::vector<Command>& commands);  ///< identify friction
 void AddDoctor(CLI::App& app, std::vector<Command>& commands);
 
 }  // namespace pliant
