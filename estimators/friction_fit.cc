@@ -1,0 +1,780 @@
+#include "pliant/estimators/friction_fit.h"
+
+#include <ceres/cost_function.h>
+#include <ceres/problem.h>
+#include <ceres/solver.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace pliant {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+const std::vector<std::string>& Words(FrictionModel) {
+  static const std::vector<std::string> words{"coulomb_viscous", "stribeck", "lugre_static"};
+  return words;
+}
+
+const std::vector<std::string>& Words(FrictionLoss) {
+  static const std::vector<std::string> words{"none", "huber", "cauchy"};
+  return words;
+}
+
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr int kMostParameters = 9;
+constexpr double kHuber = 1.345, kCauchy = 2.385;
+constexpr double kLeastSingularValue = 0.005;
+constexpr double kNormal95 = 1.959963984540054;
+
+/// The parameters in their order: [c, d, (s, log ω_s)], of ω > 0 and then of ω < 0 if they are
+/// separate, and b.
+struct Shape {
+  bool stribeck, separate, offset;
+
+  int each() const { return stribeck ? 4 : 2; }
+  int size() const { return (separate ? 2 : 1) * each() + (offset ? 1 : 0); }
+  int begin(double direction) const { return separate && direction < 0 ? each() : 0; }
+
+  std::vector<std::string> names() const {
+    std::vector<std::string> all;
+    for (const char* behind : {"_positive", "_negative"}) {
+      if (!separate && !all.empty()) break;
+      for (const char* name : {"coulomb", "viscous", "stiction", "stribeck_velocity"})
+        if (stribeck || name[0] != 's') all.push_back(name + std::string(separate ? behind : ""));
+    }
+    if (offset) all.push_back("offset");
+    return all;
+  }
+
+  /// ŷ, and its derivatives by the parameters if there is room for them. ω = ±0 is the limit.
+  double operator()(const double* x, double velocity, double* J) const {
+    const double sign = std::signbit(velocity) ? -1 : 1;
+    const double* p = x + begin(sign);
+    if (J) std::fill_n(J, size(), 0.0);
+    double* Jp = J ? J + begin(sign) : nullptr;
+    double level = p[0], E = 0;
+    if (stribeck) {
+      const double ratio = velocity * std::exp(-p[3]), square = ratio * ratio;
+      E = std::exp(-square);
+      level += (p[2] - p[0]) * E;
+      if (Jp) {
+        Jp[2] = sign * E;
+        Jp[3] = sign * (p[2] - p[0]) * E * 2 * square;
+      }
+    }
+    if (Jp) {
+      Jp[0] = sign * (1 - E);
+      Jp[1] = velocity;
+      if (offset) J[size() - 1] = 1;
+    }
+    return sign * level + p[1] * velocity + (offset ? x[size() - 1] : 0);
+  }
+};
+
+/// ρ(u), ψ = ½ ρ', ψ'.
+struct Influence {
+  double rho, psi, slope;
+};
+Influence InfluenceOf(FrictionLoss loss, double u) {
+  const double a = std::abs(u);
+  if (loss == FrictionLoss::Huber && a > kHuber)
+    return {2 * kHuber * a - kHuber * kHuber, std::copysign(kHuber, u), 0};
+  if (loss == FrictionLoss::Cauchy) {
+    const double k2 = kCauchy * kCauchy, t = 1 + u * u / k2;
+    return {k2 * std::log(t), u / t, (2 - t) / (t * t)};
+  }
+  return {u * u, u, 1};
+}
+
+/// Some of the samples, as one residual block of Ceres: its loss acts on blocks, so the weight of
+/// each sample is inside, √ρ(u) with the sign of u.
+class Block final : public ceres::CostFunction {
+ public:
+  Block(const Shape& shape, FrictionLoss loss, double scale, const double* velocity,
+        const double* torque, int count)
+      : shape_{shape}, loss_{loss}, scale_{scale}, velocity_{velocity}, torque_{torque} {
+    set_num_residuals(count);
+    mutable_parameter_block_sizes()->push_back(shape.size());
+  }
+
+  bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
+    const int p = shape_.size();
+    double J[kMostParameters];
+    for (int k = 0; k < num_residuals(); ++k) {
+      const bool wanted = jacobians && jacobians[0];
+      const double u = (torque_[k] - shape_(x[0], velocity_[k], wanted ? J : nullptr)) / scale_;
+      const Influence influence = InfluenceOf(loss_, u);
+      const double root = std::sqrt(influence.rho);
+      residuals[k] = std::copysign(root, u);
+      if (!wanted) continue;
+      const double slope = root > 1e-8 ? std::abs(influence.psi) / root : 1;
+      for (int i = 0; i < p; ++i) jacobians[0][k * p + i] = -slope * J[i] / scale_;
+    }
+    return true;
+  }
+
+ private:
+  const Shape shape_;
+  const FrictionLoss loss_;
+  const double scale_;
+  const double *velocity_, *torque_;
+};
+
+void Solve(const Shape& shape, FrictionLoss loss, double scale, const VectorXd& velocity,
+           const VectorXd& torque, VectorXd& x) {
+  constexpr Index kInBlock = 1000;
+  ceres::Problem problem;
+  for (Index k = 0; k < velocity.size(); k += kInBlock) {
+    const auto count = static_cast<int>(std::min(kInBlock, velocity.size() - k));
+    problem.AddResidualBlock(
+        new Block(shape, loss, scale, velocity.data() + k, torque.data() + k, count), nullptr,
+        x.data());
+  }
+  ceres::Solver::Options options;
+  options.linear_solver_type =
+      velocity.size() > 10'000 ? ceres::DENSE_NORMAL_CHOLESKY : ceres::DENSE_QR;
+  options.max_num_iterations = 60;
+  options.function_tolerance = 1e-12;
+  options.parameter_tolerance = 1e-10;
+  options.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+}
+
+VectorXd Residuals(const Shape& shape, const VectorXd& x, const VectorXd& velocity,
+                   const VectorXd& torque) {
+  VectorXd r(velocity.size());
+  for (Index k = 0; k < r.size(); ++k) r(k) = torque(k) - shape(x.data(), velocity(k), nullptr);
+  return r;
+}
+
+double MedianOf(std::vector<double> all) {
+  if (all.empty()) return 0;
+  const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
+  std::nth_element(all.begin(), middle, all.end());
+  return *middle;
+}
+
+double ScaleOf(const VectorXd& r) {
+  const VectorXd a = r.cwiseAbs();
+  const double median = 1.4826 * MedianOf({a.data(), a.data() + a.size()});
+  // More than half of exact data fits exactly.
+  return std::max(median, 1e-12 + 1e-9 * a.maxCoeff());
+}
+
+VectorXd Thinned(const VectorXd& all, Index most) {
+  const Index stride = (all.size() + most - 1) / most;
+  if (stride <= 1) return all;
+  return all(Eigen::seq(0, Eigen::last, stride));
+}
+
+/// A start: of a grid of ω_s the one whose linear fit has the least sum of |r|, by weights that
+/// turn least squares into it.
+VectorXd Start(const Shape& shape, const VectorXd& velocity, const VectorXd& torque) {
+  const VectorXd speed = velocity.cwiseAbs();
+  double slow = speed.maxCoeff();
+  for (const double v : speed)
+    if (v > 0) slow = std::min(slow, v);
+  const double from = std::log(0.5 * slow), to = std::log(0.7 * speed.maxCoeff());
+  const int grid = shape.stribeck ? 16 : 1, p = shape.size();
+  VectorXd best;
+  double least = std::numeric_limits<double>::infinity();
+  for (int g = 0; g < grid; ++g) {
+    VectorXd x = VectorXd::Zero(p);
+    const double log_speed = from + (to - from) * g / 15.0;
+    for (int d = 0; shape.stribeck && d < (shape.separate ? 2 : 1); ++d)
+      x(d * shape.each() + 3) = log_speed;
+    // Linear in all but log ω_s, whose column is left out.
+    VectorXd weights = VectorXd::Ones(velocity.size());
+    double sum = 0;
+    for (int iteration = 0; iteration < 6; ++iteration) {
+      MatrixXd N = MatrixXd::Zero(p, p);
+      VectorXd b = VectorXd::Zero(p), J(p);
+      for (Index k = 0; k < velocity.size(); ++k) {
+        shape(x.data(), velocity(k), J.data());
+        for (int i = 3; shape.stribeck && i < p; i += 4)
+          if (i < (shape.separate ? 8 : 4)) J(i) = 0;
+        N.noalias() += weights(k) * J * J.transpose();
+        b.noalias() += weights(k) * torque(k) * J;
+      }
+      VectorXd solved = N.completeOrthogonalDecomposition().solve(b);
+      for (int i = 3; shape.stribeck && i < (shape.separate ? 8 : 4); i += 4) solved(i) = log_speed;
+      x = solved;
+      const VectorXd r = Residuals(shape, x, velocity, torque);
+      const double scale = ScaleOf(r);
+      sum = r.cwiseAbs().sum();
+      weights = r.unaryExpr([&](double e) { return 1 / std::max(std::abs(e), 0.3 * scale); });
+    }
+    if (sum < least) {
+      least = sum;
+      best = x;
+    }
+  }
+  return best;
+}
+
+/// x and σ, with σ of the residuals of x.
+void Iterate(const Shape& shape, const FrictionFitOptions& o, const VectorXd& velocity,
+             const VectorXd& torque, VectorXd& x, double& scale) {
+  for (int round = 0; round < 8; ++round) {
+    const double before = scale;
+    Solve(shape, o.loss, scale, velocity, torque, x);
+    if (o.scale > 0 || o.loss == FrictionLoss::None) break;
+    scale = ScaleOf(Residuals(shape, x, velocity, torque));
+    if (std::abs(scale - before) < 1e-3 * scale) break;
+  }
+  if (o.scale <= 0) scale = ScaleOf(Residuals(shape, x, velocity, torque));
+}
+
+struct Solution {
+  VectorXd x;
+  double scale;
+};
+
+Solution SolutionOf(const Shape& shape, const FrictionFitOptions& o, const VectorXd& velocity,
+                    const VectorXd& torque) {
+  // The start and the scale do not need all of a million samples.
+  const VectorXd v = Thinned(velocity, 20'000), y = Thinned(torque, 20'000);
+  Solution s{Start(shape, Thinned(velocity, 4'000), Thinned(torque, 4'000)), 0};
+  s.scale = o.scale > 0 ? o.scale : ScaleOf(Residuals(shape, s.x, v, y));
+  Iterate(shape, o, v, y, s.x, s.scale);
+  if (v.size() < velocity.size()) Iterate(shape, o, velocity, torque, s.x, s.scale);
+  return s;
+}
+
+/// Sums over blocks of `length` neighbours that lie in one stretch; a block that is not full counts
+/// too.
+template <class Row>
+std::vector<VectorXd> BlockSums(Index count, const std::vector<Index>& begin, Index length, int p,
+                                const Row& row) {
+  std::vector<VectorXd> sums;
+  std::size_t stretch = 0;
+  Index in_block = length;
+  for (Index k = 0; k < count; ++k) {
+    bool fresh = in_block == length;
+    while (stretch < begin.size() && begin[stretch] <= k) {
+      fresh = fresh || begin[stretch] == k;
+      ++stretch;
+    }
+    if (fresh) {
+      sums.push_back(VectorXd::Zero(p));
+      in_block = 0;
+    }
+    row(k, sums.back());
+    ++in_block;
+  }
+  return sums;
+}
+
+struct Blocking {
+  Index length = 1;
+  double inefficiency = 1;
+};
+
+/// The least block length from which on the variance of sums, over their length, does not grow.
+Blocking BlockingOf(const VectorXd& psi, const std::vector<Index>& begin) {
+  constexpr Index kLeastBlocks = 48;
+  std::vector<double> variance;
+  std::vector<Index> blocks;
+  const double total = psi.squaredNorm();
+  if (!(total > 0)) return {};
+  for (Index length = 1; psi.size() / length >= kLeastBlocks || length == 1; length *= 2) {
+    const std::vector<VectorXd> sums =
+        BlockSums(psi.size(), begin, length, 1, [&](Index k, VectorXd& sum) { sum(0) += psi(k); });
+    double squares = 0;
+    for (const VectorXd& sum : sums) squares += sum(0) * sum(0);
+    variance.push_back(squares / total);
+    blocks.push_back(std::ssize(sums));
+  }
+  Blocking result;
+  for (std::size_t i = 0; i < variance.size(); ++i) {
+    const double spread = 2 * std::sqrt(2.0 / static_cast<double>(blocks[i]));
+    bool flat = true;
+    for (std::size_t k = i + 1; k < variance.size(); ++k) {
+      const double of_k = 2 * std::sqrt(2.0 / static_cast<double>(blocks[k]));
+      flat = flat && std::abs(variance[k] / variance[i] - 1) < spread + of_k;
+    }
+    result = {Index{1} << i, variance[i]};
+    if (flat) break;
+  }
+  // Sums of blocks that just stop growing lack what neighbours share across their ends.
+  if (result.length > 1 && psi.size() / (2 * result.length) >= kLeastBlocks) {
+    result.length *= 2;
+    result.inefficiency = variance[static_cast<std::size_t>(std::log2(result.length))];
+  }
+  return result;
+}
+
+/// Of Student's t, two-sided 95 %. Abramowitz & Stegun 26.7.5.
+double Student95(double degrees) {
+  const double z = kNormal95, z3 = z * z * z, z5 = z3 * z * z, n = std::max(degrees, 3.0);
+  return z + (z3 + z) / (4 * n) + (5 * z5 + 16 * z3 + 3 * z) / (96 * n * n);
+}
+
+/// What is known of x: its covariance, and what has none.
+struct Certainty {
+  MatrixXd covariance;
+  std::vector<bool> unknown;
+  double quantile = kNormal95;
+};
+
+Certainty CertaintyOf(const Shape& shape, FrictionLoss loss, const Solution& at,
+                      const VectorXd& velocity, const VectorXd& torque,
+                      const std::vector<Index>& begin, Index block) {
+  const int p = shape.size();
+  MatrixXd JJ = MatrixXd::Zero(p, p), A = JJ, B = JJ;
+  double slopes = 0;
+  VectorXd J(p);
+  const auto row = [&](Index k, VectorXd& sum) {
+    const double y = shape(at.x.data(), velocity(k), J.data());
+    const Influence influence = InfluenceOf(loss, (torque(k) - y) / at.scale);
+    JJ.noalias() += J * J.transpose();
+    A.noalias() += influence.slope * J * J.transpose();
+    slopes += influence.slope;
+    sum.noalias() += influence.psi * J;
+  };
+  const std::vector<VectorXd> sums = BlockSums(velocity.size(), begin, block, p, row);
+  for (const VectorXd& sum : sums) B.noalias() += sum * sum.transpose();
+  const auto n = static_cast<double>(sums.size());
+  B *= n / std::max(1.0, n - p);
+  slopes /= static_cast<double>(velocity.size());
+
+  Certainty result;
+  result.quantile = Student95(n - p);
+  result.unknown.assign(static_cast<std::size_t>(p), false);
+  VectorXd unit(p);
+  for (int i = 0; i < p; ++i) {
+    result.unknown[static_cast<std::size_t>(i)] = !(JJ(i, i) > 1e-20);
+    unit(i) = JJ(i, i) > 1e-20 ? 1 / std::sqrt(JJ(i, i)) : 1;
+  }
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(unit.asDiagonal() * JJ * unit.asDiagonal());
+  std::vector<Index> seen;
+  for (int i = 0; i < p; ++i) {
+    if (eigen.eigenvalues()(i) > kLeastSingularValue * kLeastSingularValue) {
+      seen.push_back(i);
+      continue;
+    }
+    for (int j = 0; j < p; ++j)
+      if (std::abs(eigen.eigenvectors()(j, i)) > 0.1)
+        result.unknown[static_cast<std::size_t>(j)] = true;
+  }
+  const MatrixXd V = unit.asDiagonal() * eigen.eigenvectors()(Eigen::all, seen);
+  Eigen::LLT<MatrixXd> within(V.transpose() * A * V);
+  // Far outliers bend Cauchy's loss down; their mean bend never does.
+  if (within.info() != Eigen::Success)
+    within.compute(std::max(slopes, 1e-3) * V.transpose() * JJ * V);
+  const MatrixXd bread = V * within.solve(MatrixXd(V.transpose()));
+  result.covariance = at.scale * at.scale * bread * B * bread;
+  return result;
+}
+
+/// Samples that slide.
+struct Sliding {
+  VectorXd velocity, torque;
+  std::vector<Index> begin;
+};
+
+Sliding SlidingOf(const FrictionSamples& samples, double least) {
+  Sliding s;
+  std::vector<Index> kept;
+  std::size_t stretch = 0;
+  Index last = -2;
+  for (Index k = 0; k < samples.velocity.size(); ++k) {
+    bool fresh = k != last + 1;
+    while (stretch < samples.begin.size() && samples.begin[stretch] <= k) {
+      fresh = true;
+      ++stretch;
+    }
+    if (!(std::abs(samples.velocity(k)) >= least)) continue;
+    if (fresh || kept.empty()) s.begin.push_back(std::ssize(kept));
+    kept.push_back(k);
+    last = k;
+  }
+  s.velocity = samples.velocity(kept);
+  s.torque = samples.torque(kept);
+  return s;
+}
+
+void RequireSound(const FrictionSamples& samples, const FrictionFitOptions& o) {
+  Require(samples.velocity.size() == samples.torque.size(),
+          "there must be a torque for each velocity, " + Text(samples.velocity.size()),
+          samples.torque.size());
+  Require(
+      samples.velocity.allFinite() && samples.torque.allFinite() && samples.break_away.allFinite(),
+      "velocities and torques must be finite");
+  Require(o.least_velocity >= 0, "least_velocity must be ≥ 0", o.least_velocity);
+  Require(o.folds == 0 || (o.folds >= 2 && o.folds <= 100), "folds must be 0 or from 2 to 100",
+          o.folds);
+}
+
+/// Whether the velocities of a direction are one velocity and its noise.
+bool IsOneVelocity(const Sliding& s, double sign) {
+  std::vector<double> v;
+  double differences = 0;
+  Index pairs = 0;
+  for (Index k = 0; k < s.velocity.size(); ++k) {
+    if (s.velocity(k) * sign <= 0) continue;
+    v.push_back(s.velocity(k));
+    if (k > 0 && s.velocity(k - 1) * sign > 0) {
+      differences += std::pow(s.velocity(k) - s.velocity(k - 1), 2);
+      ++pairs;
+    }
+  }
+  if (v.size() < 2 || pairs == 0) return v.size() < 2;
+  const Eigen::Map<const VectorXd> all(v.data(), std::ssize(v));
+  const double variance = (all.array() - all.mean()).square().mean();
+  // The noise is half of what neighbours differ by; a quarter of it at most may be left.
+  return variance < 4 * differences / (2 * static_cast<double>(pairs)) &&
+         std::sqrt(variance) < 0.2 * std::abs(all.mean());
+}
+
+void AddLackOfFit(FrictionFit& fit, const VectorXd& velocity, const VectorXd& r) {
+  constexpr Index kInBin = 20, kMostBins = 12;
+  double squares = 0, noise = 0, chi2 = 0;
+  Index bins = 0;
+  for (const double sign : {1.0, -1.0}) {
+    std::vector<Index> order;
+    for (Index k = 0; k < velocity.size(); ++k)
+      if (velocity(k) * sign > 0) order.push_back(k);
+    std::ranges::sort(order, {}, [&](Index k) { return std::abs(velocity(k)); });
+    const Index count = std::min(kMostBins, std::ssize(order) / kInBin);
+    for (Index b = 0; b < count; ++b) {
+      const Index from = b * std::ssize(order) / count, to = (b + 1) * std::ssize(order) / count;
+      double sum = 0, sum2 = 0;
+      for (Index i = from; i < to; ++i) {
+        const double e =
+            std::clamp(r(order[static_cast<std::size_t>(i)]), -4 * fit.scale, 4 * fit.scale);
+        sum += e;
+        sum2 += e * e;
+      }
+      const auto n = static_cast<double>(to - from);
+      const double mean = sum / n, variance = std::max(sum2 / n - mean * mean, 1e-30);
+      const double of_mean = variance * std::max(1.0, fit.inefficiency) / n;
+      squares += mean * mean;
+      noise += of_mean;
+      chi2 += mean * mean / of_mean;
+      ++bins;
+    }
+  }
+  if (bins == 0) return;
+  const auto n = static_cast<double>(bins);
+  fit.lack_of_fit = std::sqrt(std::max(0.0, squares - noise) / n);
+  const double degrees = std::max(1.0, n - static_cast<double>(fit.estimates.size()));
+  // Five deviations: with a robust loss, the bins' means are not quite those it makes zero.
+  fit.lacks_fit = chi2 > degrees + 5 * std::sqrt(2 * degrees) && fit.lack_of_fit > 0.02 * fit.scale;
+}
+
+/// σ of samples that were held out. Folds take every so many-th of four times as many blocks.
+double CrossValidation(const Shape& shape, const FrictionFitOptions& o, const Sliding& s,
+                       const Solution& of_all) {
+  const VectorXd velocity = Thinned(s.velocity, 20'000), torque = Thinned(s.torque, 20'000);
+  const Index blocks = 4 * o.folds, n = velocity.size();
+  if (n < blocks * 2) return kNaN;
+  std::vector<double> held_out;
+  for (int fold = 0; fold < o.folds; ++fold) {
+    std::vector<Index> in, out;
+    for (Index k = 0; k < n; ++k) (k * blocks / n % o.folds == fold ? out : in).push_back(k);
+    const VectorXd v = velocity(in), y = torque(in), v_out = velocity(out), y_out = torque(out);
+    VectorXd x = of_all.x;
+    Solve(shape, o.loss, of_all.scale, v, y, x);
+    const VectorXd r = Residuals(shape, x, v_out, y_out);
+    for (const double e : r) held_out.push_back(std::abs(e));
+  }
+  return 1.4826 * MedianOf(held_out);
+}
+
+/// The mean of what broke away, of one direction or of both.
+void AddBreakAway(FrictionFit& fit, const VectorXd& break_away, bool separate) {
+  const double b = fit.Find("offset") ? (*fit.Find("offset")).value : 0;
+  for (const double sign : {1.0, -1.0}) {
+    if (!separate && sign < 0) break;
+    const std::string name =
+        separate ? (sign > 0 ? "stiction_positive" : "stiction_negative") : "stiction";
+    if (fit.Find(name)) continue;
+    std::vector<double> level;
+    for (const double y : break_away)
+      if (!separate || y * sign > 0) level.push_back(std::abs(y - b));
+    if (level.empty()) continue;
+    const Eigen::Map<const VectorXd> all(level.data(), std::ssize(level));
+    const auto n = static_cast<double>(level.size());
+    const double mean = all.mean();
+    // One alone scatters as any sample does.
+    const double of_mean =
+        n > 1 ? std::sqrt((all.array() - mean).square().sum() / (n * (n - 1))) : fit.scale;
+    const double t = n > 1 ? Student95(n - 1) : kNormal95;
+    fit.estimates.push_back({name, mean, of_mean, mean - t * of_mean, mean + t * of_mean});
+    const Index p = fit.covariance.rows();
+    fit.covariance.conservativeResizeLike(MatrixXd::Zero(p + 1, p + 1));
+    fit.covariance(p, p) = of_mean * of_mean;
+    std::erase_if(fit.unidentified, [&](const auto& u) { return u.name == name; });
+  }
+}
+
+FrictionFit FitOf(const FrictionSamples& samples, const FrictionFitOptions& o, bool stribeck) {
+  const Shape shape{stribeck, o.separate, o.offset};
+  const int p = shape.size();
+  FrictionFit fit;
+  fit.options = o;
+  fit.least_velocity = LeastVelocityOf(samples, o);
+  Sliding s = SlidingOf(samples, fit.least_velocity);
+  fit.samples = s.velocity.size();
+  if (fit.samples < 10 * p)
+    throw Error("a fit of " + Text(p) + " parameters needs at least " + Text(10 * p) +
+                " samples faster than " + Text(fit.least_velocity) + " rad/s, got " +
+                Text(fit.samples) + " of " + Text(samples.velocity.size()));
+  const Sliding sliding = s;
+  if (stribeck && samples.break_away.size() > 0) {
+    // Their speed is 0 with the sign of the motion.
+    const Index n = s.velocity.size(), m = samples.break_away.size();
+    s.velocity.conservativeResize(n + m);
+    s.torque.conservativeResize(n + m);
+    for (Index k = 0; k < m; ++k) s.velocity(n + k) = std::copysign(0.0, samples.break_away(k));
+    s.torque.tail(m) = samples.break_away;
+    s.begin.push_back(n);
+  }
+
+  const Solution at = SolutionOf(shape, o, s.velocity, s.torque);
+  const VectorXd r = Residuals(shape, at.x, s.velocity, s.torque);
+  fit.scale = at.scale;
+  fit.rms = std::sqrt(r.squaredNorm() / static_cast<double>(r.size()));
+  fit.outliers = (r.array().abs() > 4 * at.scale).cast<double>().mean();
+  const VectorXd psi = r.unaryExpr([&](double e) { return InfluenceOf(o.loss, e / at.scale).psi; });
+  const Blocking blocking = BlockingOf(psi, s.begin);
+  fit.block = blocking.length;
+  fit.inefficiency = o.inefficiency > 0 ? o.inefficiency : std::max(blocking.inefficiency, 1e-3);
+
+  Certainty known = CertaintyOf(shape, o.loss, at, s.velocity, s.torque, s.begin, fit.block);
+  const std::vector<std::string> names = shape.names();
+  std::vector<std::string> why(static_cast<std::size_t>(p));
+  const auto mark = [&](int i, const std::string& reason) {
+    known.unknown[static_cast<std::size_t>(i)] = true;
+    if (why[static_cast<std::size_t>(i)].empty()) why[static_cast<std::size_t>(i)] = reason;
+  };
+  for (const double sign : {1.0, -1.0}) {
+    const bool any = (sliding.velocity.array() * sign > 0).any();
+    const int from = shape.begin(sign);
+    if (o.separate && !any)
+      for (int i = from; i < from + shape.each(); ++i)
+        mark(i, std::string("nothing moves in the ") + (sign > 0 ? "positive" : "negative") +
+                    " direction");
+    if (o.separate && any && IsOneVelocity(sliding, sign))
+      for (const int i : {from, from + 1}) mark(i, "there is one velocity only");
+  }
+  const bool both = (sliding.velocity.array() > 0).any() && (sliding.velocity.array() < 0).any();
+  if (!o.separate) {
+    // One speed in both directions is one speed.
+    Sliding speeds = sliding;
+    speeds.velocity = sliding.velocity.cwiseAbs();
+    if (IsOneVelocity(speeds, 1))
+      for (const int i : {0, 1}) mark(i, "there is one speed only");
+  }
+  bool without_stribeck = false;
+  for (int d = 0; stribeck && d < (o.separate ? 2 : 1); ++d) {
+    const int c = d * shape.each(), e = c + 2, w = c + 3;
+    if (known.unknown[static_cast<std::size_t>(c)] && !known.unknown[static_cast<std::size_t>(e)] &&
+        !known.unknown[static_cast<std::size_t>(w)])
+      continue;
+    const double excess = at.x(e) - at.x(c);
+    const double deviation = std::sqrt(std::max(
+        0.0, known.covariance(e, e) + known.covariance(c, c) - 2 * known.covariance(e, c)));
+    double slowest = 1;
+    for (Index k = 0; k < sliding.velocity.size(); ++k)
+      if (!o.separate || shape.begin(sliding.velocity(k)) == c)
+        slowest =
+            std::min(slowest, 1 - std::exp(-std::pow(sliding.velocity(k) * std::exp(-at.x(w)), 2)));
+    std::string reason;
+    if (slowest > 0.95 && samples.break_away.size() == 0)
+      reason = "nothing slides slowly enough to see more than coulomb";
+    else if (!(std::abs(excess) > 3 * deviation))
+      reason =
+          "stiction cannot be told from coulomb: s − c = " + Text(std::round(1e4 * excess) / 1e4) +
+          " ± " + Text(std::round(1e4 * known.quantile * deviation) / 1e4) + " N·m";
+    else if (known.unknown[static_cast<std::size_t>(e)] ||
+             known.unknown[static_cast<std::size_t>(w)])
+      reason = "the velocities do not tell them apart";
+    if (reason.empty()) continue;
+    mark(e, reason);
+    mark(w, reason);
+    without_stribeck = true;
+  }
+  for (int i = 0; i < p; ++i)
+    if (known.unknown[static_cast<std::size_t>(i)] && why[static_cast<std::size_t>(i)].empty())
+      mark(i, !both && o.offset ? "with one direction only, an offset is not told from coulomb"
+                                : "the velocities do not tell it from other parameters");
+
+  if (without_stribeck) {
+    // What is left is told by the model without it.
+    FrictionFit plain = FitOf(samples, o, false);
+    for (int i = 0; i < p; ++i)
+      if (names[static_cast<std::size_t>(i)].starts_with("sti") ||
+          names[static_cast<std::size_t>(i)].starts_with("str"))
+        if (!plain.Find(names[static_cast<std::size_t>(i)]))
+          plain.unidentified.push_back(
+              {names[static_cast<std::size_t>(i)], why[static_cast<std::size_t>(i)].empty()
+                                                       ? "the other direction's is not told"
+                                                       : why[static_cast<std::size_t>(i)]});
+    return plain;
+  }
+
+  std::vector<Index> told;
+  for (int i = 0; i < p; ++i) {
+    const std::string& name = names[static_cast<std::size_t>(i)];
+    if (known.unknown[static_cast<std::size_t>(i)]) {
+      fit.unidentified.push_back({name, why[static_cast<std::size_t>(i)]});
+      continue;
+    }
+    told.push_back(i);
+    const double deviation = std::sqrt(known.covariance(i, i)), t = known.quantile * deviation;
+    if (name.starts_with("stribeck")) {
+      const double speed = std::exp(at.x(i));
+      fit.estimates.push_back(
+          {name, speed, speed * deviation, speed * std::exp(-t), speed * std::exp(t)});
+    } else {
+      fit.estimates.push_back({name, at.x(i), deviation, at.x(i) - t, at.x(i) + t});
+    }
+  }
+  VectorXd scaled = VectorXd::Ones(std::ssize(told));
+  for (Index i = 0; i < scaled.size(); ++i)
+    if (fit.estimates[static_cast<std::size_t>(i)].name.starts_with("stribeck"))
+      scaled(i) = fit.estimates[static_cast<std::size_t>(i)].value;
+  fit.covariance = scaled.asDiagonal() * known.covariance(told, told) * scaled.asDiagonal();
+  if (!stribeck) AddBreakAway(fit, samples.break_away, o.separate);
+
+  double rho = 0;
+  for (const double e : r) rho += InfluenceOf(o.loss, e / at.scale).rho;
+  fit.aic = rho / fit.inefficiency + 2 * p;
+  fit.bic = rho / fit.inefficiency + p * std::log(static_cast<double>(r.size()) / fit.inefficiency);
+  AddLackOfFit(fit, s.velocity, r);
+  if (o.folds > 0 && fit.unidentified.empty())
+    fit.cross_validation = CrossValidation(shape, o, s, at);
+  else if (o.folds > 0)
+    fit.cross_validation = kNaN;
+  return fit;
+}
+
+}  // namespace
+
+double NoiseOf(const VectorXd& samples) {
+  if (samples.size() < 2) return 0;
+  std::vector<double> steps;
+  for (Index k = 1; k < samples.size(); ++k) steps.push_back(std::abs(samples(k) - samples(k - 1)));
+  return 1.4826 * MedianOf(std::move(steps)) / std::sqrt(2.0);
+}
+
+double LeastVelocityOf(const FrictionSamples& samples, const FrictionFitOptions& options) {
+  if (options.least_velocity > 0) return options.least_velocity;
+  return std::max(0.005, 4 * NoiseOf(samples.velocity));
+}
+
+Index LeastSamplesOf(const FrictionFitOptions& o) {
+  return 10 * Shape{o.model != FrictionModel::CoulombViscous, o.separate, o.offset}.size();
+}
+
+const FrictionEstimate* FrictionFit::Find(std::string_view name) const {
+  const auto at = std::ranges::find(estimates, name, &FrictionEstimate::name);
+  return at == estimates.end() ? nullptr : &*at;
+}
+
+const FrictionEstimate& FrictionFit::operator[](std::string_view name) const {
+  if (const FrictionEstimate* estimate = Find(name)) return *estimate;
+  for (const Unidentified& u : unidentified)
+    if (u.name == name) throw Error("'" + u.name + "' was not identified: " + u.reason);
+  throw Error("the fit has no parameter '" + std::string(name) + "'");
+}
+
+double FrictionFit::Curve(double velocity) const {
+  const std::string behind = !options.separate ? "" : velocity < 0 ? "_negative" : "_positive";
+  const FrictionEstimate *c = Find("coulomb" + behind), *d = Find("viscous" + behind),
+                         *s = Find("stiction" + behind), *w = Find("stribeck_velocity" + behind);
+  if (!c || !d) return kNaN;
+  const FrictionParameters p{.coulomb = c->value,
+                             .viscous = d->value,
+                             .stiction = s && w ? s->value : c->value,
+                             .stribeck_velocity = w ? w->value : 1};
+  return std::copysign(StribeckCurve(p, velocity), velocity) + p.viscous * velocity;
+}
+
+IdentifiedFriction FrictionFit::Identified(const std::string& joint) const {
+  const auto mean = [&](const std::string& name) -> std::optional<double> {
+    double sum = 0;
+    int count = 0;
+    for (const char* behind : {"", "_positive", "_negative"})
+      if (const FrictionEstimate* e = Find(name + behind)) {
+        sum += e->value;
+        ++count;
+      }
+    if (count == 0 || sum < 0) return std::nullopt;
+    return sum / count;
+  };
+  IdentifiedFriction of{.joint = joint,
+                        .coulomb = mean("coulomb"),
+                        .viscous = mean("viscous"),
+                        .stiction = mean("stiction"),
+                        .stribeck_velocity = mean("stribeck_velocity"),
+                        .samples = samples,
+                        .residual_deviation = scale,
+                        .estimates = estimates,
+                        .covariance = covariance};
+  // A bristle breaks away at c or above.
+  if (of.stiction && of.coulomb) of.stiction = std::max(*of.stiction, *of.coulomb);
+  return of;
+}
+
+FrictionFit FitFriction(const FrictionSamples& samples, const FrictionFitOptions& options) {
+  RequireSound(samples, options);
+  return FitOf(samples, options, options.model != FrictionModel::CoulombViscous);
+}
+
+std::vector<FrictionFit> CompareFriction(const FrictionSamples& samples,
+                                         const FrictionFitOptions& options) {
+  FrictionFitOptions o = options;
+  o.model = FrictionModel::Stribeck;
+  const FrictionFit rich = FitFriction(samples, o);
+  o.scale = rich.scale;
+  o.inefficiency = rich.inefficiency;
+  std::vector<FrictionFit> fits;
+  for (const FrictionModel model : {FrictionModel::CoulombViscous, FrictionModel::Stribeck}) {
+    o.model = model;
+    fits.push_back(FitFriction(samples, o));
+    fits.back().options.model = model;
+  }
+  std::ranges::stable_sort(fits, {}, &FrictionFit::bic);
+  return fits;
+}
+
+FrictionSamples Pooled(const std::vector<FrictionSamples>& joints,
+                       const std::vector<FrictionFit>& fits) {
+  FrictionSamples all;
+  all.begin.clear();
+  Index size = 0, broken = 0;
+  for (const FrictionSamples& joint : joints) {
+    size += joint.velocity.size();
+    broken += joint.break_away.size();
+  }
+  all.velocity.resize(size);
+  all.torque.resize(size);
+  all.break_away.resize(broken);
+  Index at = 0, away = 0;
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    const FrictionEstimate* offset = j < fits.size() ? fits[j].Find("offset") : nullptr;
+    const double b = offset ? offset->value : 0;
+    const FrictionSamples& of = joints[j];
+    for (const Index begin : of.begin) all.begin.push_back(at + begin);
+    all.velocity.segment(at, of.velocity.size()) = of.velocity;
+    all.torque.segment(at, of.torque.size()) = of.torque.array() - b;
+    all.break_away.segment(away, of.break_away.size()) = of.break_away.array() - b;
+    at += of.velocity.size();
+    away += of.break_away.size();
+  }
+  return all;
+}
+
+}  // namespace pliant
