@@ -56,6 +56,7 @@ std::string_view NameOf(SampleKind kind) {
 double UnitFactor(SampleKind kind, std::string_view unit) {
   const std::vector<Unit>& known = UnitsOf(kind);
   if (unit.empty()) return 1;
+  if (unit.starts_with('-')) return -UnitFactor(kind, unit.substr(1));
   const auto at = std::ranges::find(known, unit, &Unit::name);
   if (at != known.end()) return at->factor;
   std::string names;

@@ -13,7 +13,7 @@ enum class SampleKind { Time, Position, Velocity, Acceleration, Current, Torque 
 std::string_view NameOf(SampleKind kind);
 
 /// What one `unit` is in s, rad, rad/s, rad/s², A or N·m: 0.017… for a velocity in "deg/s". Empty:
-/// SI. Throws Error with the units that are known.
+/// SI. "-Nm" turns the sign. Throws Error with the units that are known.
 double UnitFactor(SampleKind kind, std::string_view unit);
 
 }  // namespace pliant

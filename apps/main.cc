@@ -59,6 +59,8 @@ int main(int argc, char** argv) {
   std::vector<pliant::Command> commands;
   pliant::AddRunCommands(app, commands);
   pliant::AddLogCommands(app, commands);
+  pliant::AddIdentifyCommands(app, commands);
+  pliant::AddIdentifyDynamics(app, commands);
   pliant::AddDoctor(app, commands);
   pliant::AddPad(app, commands);
 

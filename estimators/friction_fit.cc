@@ -243,7 +243,7 @@ Solution SolutionOf(const Shape& shape, const FrictionFitOptions& o, const Vecto
                     const VectorXd& torque) {
   // The start and the scale do not need all of a million samples.
   const VectorXd v = Thinned(velocity, 20'000), y = Thinned(torque, 20'000);
-  Solution s{Start(shape, v, y), 0};
+  Solution s{Start(shape, Thinned(velocity, 4'000), Thinned(torque, 4'000)), 0};
   s.scale = o.scale > 0 ? o.scale : ScaleOf(Residuals(shape, s.x, v, y));
   Iterate(shape, o, v, y, s.x, s.scale);
   if (v.size() < velocity.size()) Iterate(shape, o, velocity, torque, s.x, s.scale);
@@ -304,6 +304,11 @@ Blocking BlockingOf(const VectorXd& psi, const std::vector<Index>& begin) {
     }
     result = {Index{1} << i, variance[i]};
     if (flat) break;
+  }
+  // Sums of blocks that just stop growing lack what neighbours share across their ends.
+  if (result.length > 1 && psi.size() / (2 * result.length) >= kLeastBlocks) {
+    result.length *= 2;
+    result.inefficiency = variance[static_cast<std::size_t>(std::log2(result.length))];
   }
   return result;
 }
@@ -469,19 +474,18 @@ void AddLackOfFit(FrictionFit& fit, const VectorXd& velocity, const VectorXd& r)
 
 /// σ of samples that were held out. Folds take every so many-th of four times as many blocks.
 double CrossValidation(const Shape& shape, const FrictionFitOptions& o, const Sliding& s,
-                       double scale) {
+                       const Solution& of_all) {
   const VectorXd velocity = Thinned(s.velocity, 20'000), torque = Thinned(s.torque, 20'000);
   const Index blocks = 4 * o.folds, n = velocity.size();
   if (n < blocks * 2) return kNaN;
-  FrictionFitOptions options = o;
-  options.scale = scale;
   std::vector<double> held_out;
   for (int fold = 0; fold < o.folds; ++fold) {
     std::vector<Index> in, out;
     for (Index k = 0; k < n; ++k) (k * blocks / n % o.folds == fold ? out : in).push_back(k);
     const VectorXd v = velocity(in), y = torque(in), v_out = velocity(out), y_out = torque(out);
-    const Solution of = SolutionOf(shape, options, v, y);
-    const VectorXd r = Residuals(shape, of.x, v_out, y_out);
+    VectorXd x = of_all.x;
+    Solve(shape, o.loss, of_all.scale, v, y, x);
+    const VectorXd r = Residuals(shape, x, v_out, y_out);
     for (const double e : r) held_out.push_back(std::abs(e));
   }
   return 1.4826 * MedianOf(held_out);
@@ -519,8 +523,7 @@ FrictionFit FitOf(const FrictionSamples& samples, const FrictionFitOptions& o, b
   const int p = shape.size();
   FrictionFit fit;
   fit.options = o;
-  const double noise = NoiseOf(samples.velocity);
-  fit.least_velocity = o.least_velocity > 0 ? o.least_velocity : std::max(0.005, 4 * noise);
+  fit.least_velocity = LeastVelocityOf(samples, o);
   Sliding s = SlidingOf(samples, fit.least_velocity);
   fit.samples = s.velocity.size();
   if (fit.samples < 10 * p)
@@ -651,7 +654,7 @@ FrictionFit FitOf(const FrictionSamples& samples, const FrictionFitOptions& o, b
   fit.bic = rho / fit.inefficiency + p * std::log(static_cast<double>(r.size()) / fit.inefficiency);
   AddLackOfFit(fit, s.velocity, r);
   if (o.folds > 0 && fit.unidentified.empty())
-    fit.cross_validation = CrossValidation(shape, o, s, at.scale);
+    fit.cross_validation = CrossValidation(shape, o, s, at);
   else if (o.folds > 0)
     fit.cross_validation = kNaN;
   return fit;
@@ -664,6 +667,15 @@ double NoiseOf(const VectorXd& samples) {
   std::vector<double> steps;
   for (Index k = 1; k < samples.size(); ++k) steps.push_back(std::abs(samples(k) - samples(k - 1)));
   return 1.4826 * MedianOf(std::move(steps)) / std::sqrt(2.0);
+}
+
+double LeastVelocityOf(const FrictionSamples& samples, const FrictionFitOptions& options) {
+  if (options.least_velocity > 0) return options.least_velocity;
+  return std::max(0.005, 4 * NoiseOf(samples.velocity));
+}
+
+Index LeastSamplesOf(const FrictionFitOptions& o) {
+  return 10 * Shape{o.model != FrictionModel::CoulombViscous, o.separate, o.offset}.size();
 }
 
 const FrictionEstimate* FrictionFit::Find(std::string_view name) const {

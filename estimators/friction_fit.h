@@ -110,6 +110,10 @@ struct FrictionFit {
 /// 3, 1985.
 FrictionFit FitFriction(const FrictionSamples& samples, const FrictionFitOptions& options);
 
+/// What samples that slide must reach, and how many of them there must be.
+double LeastVelocityOf(const FrictionSamples& samples, const FrictionFitOptions& options);
+Eigen::Index LeastSamplesOf(const FrictionFitOptions& options);
+
 /// CoulombViscous and Stribeck with the scale and inefficiency of the richer, so that AIC and BIC
 /// compare; the one of least BIC comes first.
 std::vector<FrictionFit> CompareFriction(const FrictionSamples& samples,

@@ -9,6 +9,7 @@ pliant_test(analysis/difference_claim_test.cc LIBRARIES pliant::analysis)
 pliant_test(analysis/distributions_test.cc LIBRARIES pliant::analysis)
 pliant_test(analysis/equivalence_claim_test.cc LIBRARIES pliant::analysis)
 pliant_test(analysis/equivalence_test.cc LIBRARIES pliant::analysis)
+pliant_test(analysis/dynamics_identification_test.cc LIBRARIES pliant::analysis)
 pliant_test(analysis/export_test.cc LIBRARIES pliant::analysis)
 # The one that Debian's h5py is for; another may come first.
 find_program(PLIANT_PYTHON python3 PATHS /usr/bin NO_DEFAULT_PATH)

@@ -1,6 +1,7 @@
 pliant_test(estimators/complementary_fusion_test.cc LIBRARIES pliant::estimators)
 pliant_test(estimators/drift_test.cc LIBRARIES pliant::estimators)
 pliant_test(estimators/friction_fit_test.cc LIBRARIES pliant::estimators)
+pliant_test(estimators/friction_identifier_test.cc LIBRARIES pliant::estimators)
 pliant_test(estimators/frequency_response_test.cc LIBRARIES pliant::estimators)
 pliant_test(estimators/momentum_observer_test.cc LIBRARIES pliant::diagrams)
 pliant_test(estimators/super_twisting_fusion_test.cc LIBRARIES pliant::estimators)

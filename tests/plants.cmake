@@ -5,8 +5,10 @@ find_package(SUNDIALS REQUIRED)
 
 pliant_test(plants/kdl_test.cc LIBRARIES pliant::plants PkgConfig::kdl urdfdom::urdfdom_model)
 pliant_test(plants/robot_model_test.cc LIBRARIES pliant::plants)
+pliant_test(plants/urdf_inertials_test.cc LIBRARIES pliant::plants)
 pliant_test(plants/urdf_test.cc LIBRARIES pliant::plants)
 pliant_test(plants/robot_dynamics_test.cc LIBRARIES pliant::plants)
+pliant_test(plants/inertial_regressor_test.cc LIBRARIES pliant::plants)
 pliant_test(plants/simbody_arm_test.cc LIBRARIES pliant::plants)
 pliant_test(plants/free_motion_test.cc LIBRARIES pliant::plants)
 pliant_test(plants/simbody_and_sundials_test.cc

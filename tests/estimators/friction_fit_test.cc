@@ -213,7 +213,9 @@ TEST(FrictionFit, RobustLossesBearOutliersOfOneSide) {
     const FrictionFit fit = FitFriction(
         samples, {.model = FrictionModel::Stribeck, .loss = loss, .least_velocity = 0.01});
     // Its share of outliers is 5 %.
-    if (loss == FrictionLoss::Cauchy) EXPECT_NEAR(fit.outliers, 0.05, 0.01);
+    if (loss == FrictionLoss::Cauchy) {
+      EXPECT_NEAR(fit.outliers, 0.05, 0.01);
+    }
     double worst = 0;
     for (const double v : {0.05, 0.3, 1.0, -0.05, -0.3, -1.0})
       worst = std::max(worst, std::abs(fit.Curve(v) - SteadyFriction(Truth(true), v)));

@@ -14,6 +14,7 @@
 #include <kdl/treejnttojacsolver.hpp>
 #include <sstream>
 
+#include "pliant/plants/inertial_regressor.h"
 #include "pliant/plants/simbody_arm.h"
 #include "pliant/tests/plants/arms.h"
 
@@ -204,6 +205,26 @@ class AgainstKdl : public ::testing::TestWithParam<Case> {
 TEST_P(AgainstKdl, KernelGivesTheSameDynamics) {
   Compare(
       [&](const auto& q, const auto& v, RobotDynamics& d) { ComputeDynamics(*model, q, v, d); });
+}
+
+TEST_P(AgainstKdl, RegressorTimesTheParametersGivesTheSameTorques) {
+  std::vector<int> links;
+  Eigen::VectorXd pi(10 * static_cast<Eigen::Index>(model->links().size()));
+  for (int i = 0; i < static_cast<int>(model->links().size()); ++i) {
+    links.push_back(i);
+    pi.segment<10>(10 * i) = ParametersOf(model->link(i).inertial);
+  }
+  RandomStates random(*model);
+  RobotDynamics d(*model);
+  Eigen::MatrixXd Y(model->size(), pi.size());
+  for (int k = 0; k < kStates; ++k) {
+    const JointPosition q = random.q();
+    const JointVelocity v = random.v();
+    const JointAcceleration a = random.a();
+    ComputeDynamics(*model, q, v, d);
+    ComputeInertialRegressor(*model, d, a, links, Y);
+    ASSERT_LT(RelativeError(Y * pi, kdl->InverseDynamics(q, v, a, 9.80665)), kTolerance);
+  }
 }
 
 TEST_P(AgainstKdl, SimbodyGivesTheSameDynamics) {

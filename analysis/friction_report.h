@@ -1,0 +1,32 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "pliant/analysis/friction_log.h"
+#include "pliant/analysis/report.h"
+
+namespace pliant {
+
+/// What was identified of one joint: its samples, the fit that was chosen, and those it was chosen
+/// from.
+struct FrictionResult {
+  FrictionLog log;
+  FrictionFit fit;
+  std::vector<FrictionFit> candidates = {};  ///< empty: the model was given
+};
+
+/// The torque error over the velocity with the fitted curve, its Coulomb and viscous parts and the
+/// band between them and stiction, and below it what is left. RSS fig. 3.
+Figure FrictionFigure(const FrictionResult& result);
+
+Table FrictionTable(const std::vector<FrictionResult>& results);
+Table FrictionModels(const std::vector<FrictionResult>& results);
+
+Report FrictionReport(const std::vector<FrictionResult>& results, const std::string& logs,
+                      const std::string& read);
+
+/// A line for each parameter and each doubt, for a terminal.
+std::string FrictionText(const FrictionResult& result);
+
+}  // namespace pliant

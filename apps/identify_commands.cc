@@ -1,0 +1,311 @@
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pliant/analysis/friction_report.h"
+#include "pliant/analysis/sample_source.h"
+#include "pliant/analysis/write_file.h"
+#include "pliant/apps/commands.h"
+#include "pliant/apps/says_something.h"
+#include "pliant/plants/robot_model.h"
+#include "pliant/plants/shared_file.h"
+#include "pliant/systems/nearest_name.h"
+
+namespace pliant {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Told {
+  SampleSource source;
+  std::vector<std::string> logs;
+  std::string robot, model = "auto", loss = "cauchy", directions = "both", delimiter;
+  std::vector<double> torque_per_ampere, reflected_inertia;
+  double least_velocity = 0;
+  bool pool = false, no_offset = false, force = false;
+  fs::path out, report;
+};
+
+/// Of each joint of the samples.
+std::vector<DriveFigures> DrivesOf(const Told& told, const std::vector<std::string>& joints) {
+  std::vector<DriveFigures> drives;
+  if (!told.robot.empty()) {
+    Require(
+        told.torque_per_ampere.empty() && told.reflected_inertia.empty(),
+        "--robot says what --torque-per-ampere and --reflected-inertia would: give one of them");
+    const bool gen3 = told.robot == "gen3";
+    const Joints of =
+        RobotModel::FromUrdf(ModelFile(gen3 ? "gen3/gen3_7dof.urdf" : "lwr/lwr4p.urdf")).joints();
+    const ArmActuators arm = ArmActuators::Read(ModelFile(told.robot + "/actuators.yaml"), of);
+    std::vector<std::string> known;
+    for (int j = 0; j < of.size(); ++j) known.push_back(of[j]);
+    for (const std::string& joint : joints) {
+      auto at = std::ranges::find(known, joint);
+      for (int j = 0; at == known.end() && j < of.size(); ++j)
+        if (joint == "joint_" + std::to_string(j + 1)) at = known.begin() + j;
+      if (at == known.end())
+        throw Error("the robot '" + told.robot + "' has no joint '" + joint + "'" +
+                    DidYouMean(joint, known));
+      const ActuatorParameters& p = arm.joint[static_cast<std::size_t>(at - known.begin())];
+      drives.push_back({p.torque_per_ampere(), p.reflected_inertia()});
+    }
+    return drives;
+  }
+  Require(!told.torque_per_ampere.empty(),
+          "what torque does a current make? Give --robot gen3, or --torque-per-ampere and "
+          "--reflected-inertia");
+  const auto each = [&](const std::vector<double>& all, const char* name, std::size_t j) {
+    if (all.empty()) return 0.0;
+    if (all.size() == 1) return all[0];
+    Require(all.size() == joints.size(),
+            std::string(name) + " wants one number, or one for each of the " + Text(joints.size()) +
+                " joints",
+            all.size());
+    return all[j];
+  };
+  for (std::size_t j = 0; j < joints.size(); ++j)
+    drives.push_back({each(told.torque_per_ampere, "--torque-per-ampere", j),
+                      each(told.reflected_inertia, "--reflected-inertia", j)});
+  return drives;
+}
+
+template <class E>
+E WordOf(const std::string& word) {
+  const std::vector<std::string>& words = Words(E{});
+  return static_cast<E>(std::ranges::find(words, word) - words.begin());
+}
+
+void Fit(const Told& told, FrictionResult& result) {
+  const Eigen::VectorXd& v = result.log.samples.velocity;
+  const bool both = v.size() > 0 && v.maxCoeff() > 0.005 && v.minCoeff() < -0.005;
+  FrictionFitOptions o{.loss = WordOf<FrictionLoss>(told.loss),
+                       .separate = told.directions == "separate",
+                       .offset = !told.no_offset && told.directions == "both" && both,
+                       .least_velocity = told.least_velocity};
+  try {
+    if (told.model == "auto") {
+      result.candidates = CompareFriction(result.log.samples, o);
+      result.fit = result.candidates.front();
+    } else {
+      o.model = WordOf<FrictionModel>(told.model);
+      result.fit = FitFriction(result.log.samples, o);
+    }
+  } catch (const Error& e) {
+    throw Error(result.log.joint + ": " + e.what());
+  }
+}
+
+/// Joints with the same drive as one.
+std::vector<FrictionResult> Pool(const Told& told, const std::vector<FrictionResult>& results,
+                                 const std::vector<DriveFigures>& drives,
+                                 std::vector<std::vector<std::string>>& joints) {
+  std::vector<FrictionResult> pooled;
+  std::vector<DriveFigures> sizes;
+  for (const DriveFigures& drive : drives)
+    if (std::ranges::find(sizes, drive) == sizes.end()) sizes.push_back(drive);
+  for (const DriveFigures& size : sizes) {
+    std::vector<FrictionSamples> samples;
+    std::vector<FrictionFit> fits;
+    FrictionResult one;
+    joints.emplace_back();
+    for (std::size_t j = 0; j < results.size(); ++j) {
+      if (drives[j] != size) continue;
+      samples.push_back(results[j].log.samples);
+      fits.push_back(results[j].fit);
+      joints.back().push_back(results[j].log.joint);
+      one.log.joint += (one.log.joint.empty() ? "" : ", ") + results[j].log.joint;
+      one.log.transient += results[j].log.transient;
+      one.log.steps += results[j].log.steps;
+      for (const std::string& doubt : results[j].log.doubts)
+        one.log.doubts.push_back(results[j].log.joint + ": " + doubt);
+    }
+    one.log.samples = Pooled(samples, fits);
+    Fit(told, one);
+    pooled.push_back(std::move(one));
+  }
+  return pooled;
+}
+
+/// How much of the logs is read, on a terminal.
+class ReadLine {
+ public:
+  void operator()(double done, double of) {
+    if (!isatty(fileno(stderr)) || of <= 0) return;
+    const int percent = static_cast<int>(100 * done / of);
+    if (percent == shown_) return;
+    shown_ = percent;
+    std::fprintf(stderr, "\r\033[Kreading: %d %% of %.0f MB%s", percent, 1e-6 * of,
+                 done >= of ? "\r\033[K" : "");
+    std::fflush(stderr);
+  }
+
+ private:
+  int shown_ = -1;
+};
+
+int IdentifyFriction(Told told) {
+  internal::RequireNewFile(told.out, told.force);
+  if (!told.report.empty()) {
+    for (const char* name : {"report.html", "verdict.json"})
+      if (std::error_code none; !told.force && fs::exists(told.report / name, none))
+        throw Error((told.report / name).string() +
+                    " exists; give --force to write over it, or another --report");
+    try {
+      RequireGnuplot();
+    } catch (const Error& e) {
+      throw CannotGoOn(e.what());
+    }
+  }
+  SampleSource& source = told.source;
+  source.files.assign(told.logs.begin(), told.logs.end());
+  if (!told.delimiter.empty()) {
+    Require(told.delimiter.size() == 1 || told.delimiter == "tab" || told.delimiter == "space",
+            "--delimiter wants one letter, tab or space", told.delimiter);
+    source.delimiter = told.delimiter == "tab"     ? '\t'
+                       : told.delimiter == "space" ? ' '
+                                                   : told.delimiter[0];
+  }
+  // Without a rotor there is nothing to take an acceleration for.
+  source.need_acceleration =
+      !told.robot.empty() ||
+      std::ranges::any_of(told.reflected_inertia, [](double b) { return b != 0; });
+  if (told.robot.empty() && told.torque_per_ampere.empty()) DrivesOf(told, {});
+  source.progress = ReadLine{};
+  const Samples samples = ReadSamples(source);
+  const std::vector<DriveFigures> drives = DrivesOf(told, samples.joints);
+  std::printf("read: %s\n", samples.text().c_str());
+
+  std::vector<FrictionResult> results;
+  std::vector<std::vector<std::string>> joints;
+  for (std::size_t j = 0; j < samples.joints.size(); ++j) {
+    FrictionResult result;
+    result.log = FrictionOf(samples, static_cast<Eigen::Index>(j), drives[j], told.least_velocity);
+    for (const std::string& doubt : result.log.doubts)
+      std::fprintf(stderr, "pliant: %s: %s\n", result.log.joint.c_str(), doubt.c_str());
+    Fit(told, result);
+    joints.push_back({result.log.joint});
+    results.push_back(std::move(result));
+  }
+  if (told.pool) {
+    joints.clear();
+    results = Pool(told, results, drives, joints);
+  }
+
+  std::string logs;
+  for (const std::string& log : told.logs) logs += (logs.empty() ? "" : ", ") + log;
+  FrictionFile file{
+      .sources = told.logs, .model = told.model, .loss = told.loss, .directions = told.directions};
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    std::fputs(FrictionText(results[i]).c_str(), stdout);
+    for (const std::string& joint : joints[i])
+      file.joints.push_back(results[i].fit.Identified(joint));
+  }
+  try {
+    internal::WriteFile(told.out, file.text());
+    std::printf("friction: %s\n", fs::absolute(told.out).lexically_normal().c_str());
+    if (!told.report.empty()) {
+      internal::MakeDirectory(told.report);
+      WriteReport(FrictionReport(results, logs, samples.text()), told.report);
+      std::printf("report: %s\n",
+                  fs::absolute(told.report / "report.html").lexically_normal().c_str());
+    }
+  } catch (const Error& e) {
+    throw CannotGoOn(e.what());
+  }
+  return 0;
+}
+
+void AddColumns(CLI::App& app, SampleColumns& columns, const std::string& name,
+                const std::string& what, const std::string& unit) {
+  app.add_option("--" + name, columns.names, what)
+      ->check(SaysSomething())
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  app.add_option("--" + name + "-unit", columns.unit, "its unit, such as " + unit);
+}
+
+}  // namespace
+
+void AddIdentifyCommands(CLI::App& app, std::vector<Command>& commands) {
+  CLI::App* identify = app.add_subcommand("identify", "Identifies parameters of an arm from logs");
+  identify->require_subcommand(1);
+
+  const auto told = std::make_shared<Told>();
+  CLI::App* friction = identify->add_subcommand(
+      "friction", "Fits the friction of joints to motor current, joint torque and velocity");
+  friction->footer(
+      "Example: pliant identify friction sweep.csv --time t --velocity 'v{}' --current 'i{}' "
+      "--torque 'tau{}' --robot gen3 --out friction.yaml\n"
+      "A column is a name, a number from 1, or for all joints a name with {} for the number of\n"
+      "the joint. Logs of pliant need no columns.");
+  friction->add_option("logs", told->logs, ".mcap of pliant, or CSV")->required();
+  friction->add_option("--robot", told->robot, "whose motors: gen3 or lwr")
+      ->check(CLI::IsMember({"gen3", "lwr"}));
+  friction
+      ->add_option("--torque-per-ampere", told->torque_per_ampere,
+                   "joint torque of a current [N·m/A], of all joints or of each")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  friction
+      ->add_option("--reflected-inertia", told->reflected_inertia,
+                   "of the rotors, behind the gear [kg·m²]")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  friction->add_option("--joints", told->source.joints, "names or numbers; none: all")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  friction->add_option("--model", told->model, "auto takes the one of least BIC")
+      ->check(CLI::IsMember({"auto", "coulomb_viscous", "stribeck", "lugre_static"}))
+      ->capture_default_str();
+  friction->add_option("--loss", told->loss, "what outliers count")
+      ->check(CLI::IsMember({"none", "huber", "cauchy"}))
+      ->capture_default_str();
+  friction->add_option("--directions", told->directions, "one law for both, or one for each")
+      ->check(CLI::IsMember({"both", "separate"}))
+      ->capture_default_str();
+  friction->add_flag("--pool", told->pool, "joints with the same motor as one");
+  friction->add_flag("--no-offset", told->no_offset, "the torque sensor has no offset");
+  friction
+      ->add_option("--least-velocity", told->least_velocity,
+                   "slower samples do not slide [rad/s]; none: 4 σ of the velocity's noise")
+      ->check(CLI::PositiveNumber);
+  AddColumns(*friction, told->source.time, "time", "column of the time", "ms");
+  AddColumns(*friction, told->source.position, "position", "columns, if there is no velocity",
+             "deg");
+  AddColumns(*friction, told->source.velocity, "velocity", "columns of the joint velocity",
+             "deg/s");
+  AddColumns(*friction, told->source.acceleration, "acceleration", "columns; none: derived",
+             "deg/s²");
+  AddColumns(*friction, told->source.current, "current", "columns of the motor current", "mA");
+  AddColumns(*friction, told->source.torque, "torque", "columns of the measured joint torque",
+             "mNm");
+  friction
+      ->add_option("--sample-period", told->source.sample_period_s,
+                   "seconds from row to row, if there is no time")
+      ->check(CLI::PositiveNumber);
+  friction->add_option("--delimiter", told->delimiter, "of a CSV file; none: found");
+  friction
+      ->add_option("--window", told->source.half_window,
+                   "samples on either side of one whose derivative is taken")
+      ->check(CLI::Range(1, 10000))
+      ->capture_default_str();
+  friction->add_option("--most", told->source.most, "rows to keep of long logs")
+      ->check(CLI::Range(1000, 10'000'000))
+      ->capture_default_str();
+  friction->add_option("--out", told->out, "the file to write, YAML")
+      ->required()
+      ->check(SaysSomething());
+  friction->add_option("--report", told->report, "folder of a report with figures")
+      ->check(SaysSomething());
+  friction->add_flag("--force", told->force, "write over files that are there");
+  commands.push_back({friction, [told] { return IdentifyFriction(*told); }});
+}
+
+}  // namespace pliant

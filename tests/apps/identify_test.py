@@ -1,0 +1,135 @@
+"""`pliant identify friction` as a user meets it.
+
+    identify_test.py PLIANT
+"""
+
+import math
+import random
+import re
+
+from command import InFolder, main
+
+# Friction of the joints that write_log makes: c, d, s, ω_s.
+LAWS = [(3.0, 2.4, 4.5, 0.1), (1.25, 1.1, 1.25, 0.1)]
+KAPPA = 11.0
+
+
+def friction(law, v):
+    c, d, s, w = law
+    return math.copysign(c + (s - c) * math.exp(-(v / w) ** 2), v) + d * v
+
+
+class Identify(InFolder):
+    WHERE = ["--time", "t", "--velocity", "v{}", "--current", "i{}", "--torque", "tau{}",
+             "--torque-per-ampere", KAPPA]
+
+    def refuses_with(self, part, *arguments):
+        """The message is longer than its beginning."""
+        before = self.files()
+        self.assertIn(part, self.ends(2, *arguments))
+        self.assertEqual(self.files(), before)
+
+    def write_log(self, name="log.csv", noise=0.05, unit=1.0, laws=LAWS):
+        """Steps of the current, 0.4 s each, whose velocity settles within 0.05 s."""
+        chance = random.Random(5)
+        steps = [sign * 0.02 * 1.35 ** k for k in range(14) for sign in (1, -1)]
+        rows = ["t," + ",".join(f"v{j},i{j},tau{j}" for j in range(1, len(laws) + 1))]
+        last = 0.0
+        for n, level in enumerate(steps):
+            for k in range(400):
+                t = 0.4 * n + 0.001 * k
+                v = level + (last - level) * math.exp(-k / 10)
+                cells = []
+                for law in laws:
+                    current = friction(law, level) / KAPPA
+                    tau = KAPPA * current - friction(law, v) if v != 0 else 0
+                    cells.append(f"{v * unit:.7g},{current:.7g},{tau + chance.gauss(0, noise):.7g}")
+                rows.append(f"{t:.4f}," + ",".join(cells))
+            last = level
+        self.write(name, "\n".join(rows) + "\n")
+
+    def test_finds_the_friction_of_each_joint(self):
+        self.write_log()
+        said = self.ends(0, "identify", "friction", "log.csv", *self.WHERE, "--out", "friction.yaml")
+        self.assertIn("read: 11200 rows", said)
+        self.assertRegex(said, r"joint_1: stribeck, \d+ samples")
+        self.assertRegex(said, r"joint_2: coulomb_viscous, \d+ samples")
+        text = (self.folder / "friction.yaml").read_text()
+        numbers = [float(n) for n in re.findall(r"^    coulomb: (\S+)", text, re.M)]
+        self.assertEqual(len(numbers), 2)
+        self.assertAlmostEqual(numbers[0], 3.0, delta=0.03)
+        self.assertAlmostEqual(numbers[1], 1.25, delta=0.03)
+
+    def test_takes_units_joints_and_a_model(self):
+        self.write_log(unit=180 / math.pi)
+        self.ends(0, "identify", "friction", "log.csv", *self.WHERE, "--velocity-unit", "deg/s",
+                  "--joints", "2", "--model", "coulomb_viscous", "--loss", "huber", "--directions",
+                  "separate", "--out", "friction.yaml")
+        text = (self.folder / "friction.yaml").read_text()
+        self.assertIn("joint: joint_2", text)
+        self.assertNotIn("joint_1", text)
+        self.assertIn("coulomb_negative", text)
+
+    def test_asks_about_units_that_look_wrong(self):
+        self.write_log(unit=180 / math.pi)
+        done = self.pliant("identify", "friction", "log.csv", *self.WHERE, "--out", "friction.yaml")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("joint_1: it turns at up to", done.stderr)
+        self.assertIn("is the velocity in deg/s? Then give --velocity-unit deg/s", done.stderr)
+
+    def test_asks_about_a_sign_that_looks_wrong(self):
+        self.write_log()
+        done = self.pliant("identify", "friction", "log.csv", *self.WHERE, "--torque-unit=-Nm",
+                           "--current-unit=-A", "--out", "friction.yaml")
+        self.assertIn("has the torque the sign of the current?", done.stderr)
+
+    def test_pools_joints_of_one_size(self):
+        self.write_log(laws=[LAWS[0], LAWS[0]])
+        said = self.ends(0, "identify", "friction", "log.csv", *self.WHERE, "--pool", "--out", "f.yaml")
+        self.assertIn("joint_1, joint_2: stribeck", said)
+        text = (self.folder / "f.yaml").read_text()
+        numbers = re.findall(r"^    coulomb: (\S+)", text, re.M)
+        self.assertEqual(len(numbers), 2)
+        self.assertEqual(numbers[0], numbers[1])
+
+    def test_writes_a_report(self):
+        self.write_log()
+        said = self.ends(0, "identify", "friction", "log.csv", *self.WHERE, "--out", "f.yaml",
+                         "--report", "report")
+        self.assertIn("report: ", said)
+        page = (self.folder / "report/report.html").read_text()
+        self.assertIn("Identified friction", page)
+        self.assertTrue((self.folder / "report/figures/friction_joint_1.svg").exists())
+
+    def test_refuses_what_is_wrong(self):
+        self.write_log()
+        out = ["--out", "f.yaml"]
+        log = ["identify", "friction", "log.csv"]
+        self.refuses_with("Give --robot gen3, or --torque-per-ampere", *log, "--time", "t", *out)
+        self.refuses_with("there is no column 'w1' for the velocity; did you mean 'v1'?", *log, "--velocity",
+                     "w{}", *self.WHERE[:2], *self.WHERE[4:], *out)
+        self.refuses_with("the robot 'gen3' has no joint 'joint_9'", *log, "--robot", "gen3", "--joints", "9",
+                     "--time", "t", "--velocity", "v{-8}", "--current", "i{-8}", "--torque", "tau{-8}",
+                     *out)
+        self.refuses_with("'km/h' is no unit of a velocity", *log, *self.WHERE, "--velocity-unit", "km/h",
+                     *out)
+        self.refuses_with("--torque-per-ampere wants one number, or one for each of the 2 joints, got 3",
+                     *log, *self.WHERE[:-1], "11,11,11", *out)
+        self.write("short.csv", "t,v1,i1,tau1\n0,1,1,1\n1,1,1,1\n2,1,1,1\n")
+        self.refuses_with("joint_1: a fit of 4 parameters needs at least 40 samples", "identify", "friction",
+                     "short.csv", *self.WHERE, *out)
+        self.refuses_with("cannot read none.csv: No such file or directory", "identify", "friction",
+                     "none.csv", *self.WHERE, *out)
+        self.assertFalse((self.folder / "f.yaml").exists())
+
+    def test_writes_over_nothing_without_force(self):
+        self.write_log()
+        self.write("f.yaml", "mine")
+        self.refuses_with("f.yaml", "identify", "friction", "log.csv", *self.WHERE, "--out", "f.yaml")
+        self.assertEqual((self.folder / "f.yaml").read_text(), "mine")
+        self.ends(0, "identify", "friction", "log.csv", *self.WHERE, "--out", "f.yaml", "--force")
+        self.assertIn("joints:", (self.folder / "f.yaml").read_text())
+
+
+if __name__ == "__main__":
+    main()
