@@ -174,7 +174,7 @@ TEST(FrictionIdentified, IsAboutAFrictionExperimentAndComplianceClaimsAreNot) {
   };
   const std::string head = "id: a, source: b, paper: c";
   EXPECT_EQ(error("!FrictionIdentified {" + head + ", run: run}"), "no error");
-  for (const std::string tag :
+  for (const std::string& tag :
        {"!KeepsLimits {" + head + "}", "!StandsStill {" + head + ", run: run}",
         "!KeepsDamper {" + head + ", runs: [run], joint: joint_1}"})
     EXPECT_EQ(error(tag),
