@@ -34,9 +34,10 @@ std::vector<int> TestedJoints(const FrictionExcitation::Options& o) {
   return joints;
 }
 
-/// From rest to rest.
+/// From rest to rest, and a rest.
 double TimeOf(double way, double speed, double acceleration) {
-  return std::min(way / speed + speed / acceleration, 2 * std::sqrt(way / acceleration)) +
+  const bool reaches_speed = way > speed * speed / acceleration;
+  return (reaches_speed ? way / speed + speed / acceleration : 2 * std::sqrt(way / acceleration)) +
          3 / kApproach + kRest;
 }
 
