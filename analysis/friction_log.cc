@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <utility>
+#include <string>
 
 #include "pliant/analysis/with_unit.h"
 #include "pliant/systems/error.h"
@@ -17,6 +17,9 @@ namespace {
 
 constexpr Index kMean = 5;
 constexpr Index kRest = 20;
+const std::string kDriving =
+    "friction would drive it; has the torque the sign of the current? An arm that reports what the "
+    "link does to the joint wants --torque-unit=-Nm";
 
 double MedianOf(VectorXd all) {
   const Index middle = all.size() / 2;
@@ -84,11 +87,7 @@ void AddDoubts(FrictionLog& log, const VectorXd& velocity, const VectorXd& curre
     along += s.torque(k) * s.velocity(k);
     size += std::abs(s.torque(k) * s.velocity(k));
   }
-  if (along < -0.2 * size) {
-    std::string doubt = "friction would drive it; has the torque the sign of the current? ";
-    doubt += "An arm that reports what the link does to the joint wants --torque-unit=-Nm";
-    log.doubts.push_back(std::move(doubt));
-  }
+  if (along < -0.2 * size) log.doubts.push_back(kDriving);
 }
 
 }  // namespace

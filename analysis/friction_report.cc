@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "pliant/analysis/write_file.h"
+
 namespace pliant {
 
 using Eigen::Index;
@@ -217,6 +219,11 @@ std::string FrictionText(const FrictionResult& result) {
   }
   for (const std::string& doubt : result.log.doubts) all += "  doubt: " + doubt + "\n";
   return all;
+}
+
+void WriteFriction(const FrictionFile& friction, const std::filesystem::path& file, bool force) {
+  internal::RequireNewFile(file, force);
+  internal::WriteFile(file, friction.text());
 }
 
 }  // namespace pliant

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -28,5 +29,10 @@ Report FrictionReport(const std::vector<FrictionResult>& results, const std::str
 
 /// A line for each parameter and each doubt, for a terminal.
 std::string FrictionText(const FrictionResult& result);
+
+/// Writes friction.yaml, whole or not at all. Throws Error if the file is there and is not to be
+/// written over, or cannot be written; an older one then stays.
+void WriteFriction(const FrictionFile& friction, const std::filesystem::path& file,
+                   bool force = false);
 
 }  // namespace pliant

@@ -10,7 +10,6 @@
 
 #include "pliant/analysis/friction_report.h"
 #include "pliant/analysis/sample_source.h"
-#include "pliant/analysis/write_file.h"
 #include "pliant/apps/commands.h"
 #include "pliant/apps/says_something.h"
 #include "pliant/plants/robot_model.h"
@@ -151,7 +150,9 @@ class ReadLine {
 };
 
 int IdentifyFriction(Told told) {
-  internal::RequireNewFile(told.out, told.force);
+  // Before a long read, not after it.
+  if (std::error_code none; !told.force && fs::exists(told.out, none))
+    throw Error(told.out.string() + " exists; give --force to write over it, or another --out");
   if (!told.report.empty()) {
     for (const char* name : {"report.html", "verdict.json"})
       if (std::error_code none; !told.force && fs::exists(told.report / name, none))
@@ -207,18 +208,20 @@ int IdentifyFriction(Told told) {
     for (const std::string& joint : joints[i])
       file.joints.push_back(results[i].fit.Identified(joint));
   }
+  WriteFriction(file, told.out, told.force);
+  std::printf("friction: %s\n", fs::absolute(told.out).lexically_normal().c_str());
+  if (told.report.empty()) return 0;
+  std::error_code error;
+  fs::create_directories(told.report, error);
+  if (error)
+    throw Error("cannot make the directory " + told.report.string() + ": " + error.message());
   try {
-    internal::WriteFile(told.out, file.text());
-    std::printf("friction: %s\n", fs::absolute(told.out).lexically_normal().c_str());
-    if (!told.report.empty()) {
-      internal::MakeDirectory(told.report);
-      WriteReport(FrictionReport(results, logs, samples.text()), told.report);
-      std::printf("report: %s\n",
-                  fs::absolute(told.report / "report.html").lexically_normal().c_str());
-    }
+    WriteReport(FrictionReport(results, logs, samples.text()), told.report);
   } catch (const Error& e) {
     throw CannotGoOn(e.what());
   }
+  std::printf("report: %s\n",
+              (fs::absolute(told.report) / "report.html").lexically_normal().c_str());
   return 0;
 }
 

@@ -243,7 +243,7 @@ Solution SolutionOf(const Shape& shape, const FrictionFitOptions& o, const Vecto
                     const VectorXd& torque) {
   // The start and the scale do not need all of a million samples.
   const VectorXd v = Thinned(velocity, 20'000), y = Thinned(torque, 20'000);
-  Solution s{Start(shape, Thinned(velocity, 4'000), Thinned(torque, 4'000)), 0};
+  Solution s{Start(shape, Thinned(velocity, 1'500), Thinned(torque, 1'500)), 0};
   s.scale = o.scale > 0 ? o.scale : ScaleOf(Residuals(shape, s.x, v, y));
   Iterate(shape, o, v, y, s.x, s.scale);
   if (v.size() < velocity.size()) Iterate(shape, o, velocity, torque, s.x, s.scale);
@@ -376,13 +376,42 @@ Certainty CertaintyOf(const Shape& shape, FrictionLoss loss, const Solution& at,
   return result;
 }
 
+constexpr Index kHalfWindow = 5;
+
+/// The mean of each velocity and of its neighbours in the same stretch that differ by noise at
+/// most: noise in ω would flatten what is fitted over it.
+VectorXd Smoothed(const FrictionSamples& samples) {
+  const VectorXd& v = samples.velocity;
+  const double near = 5 * NoiseOf(v);
+  VectorXd mean = v;
+  if (near == 0) return mean;
+  for (std::size_t i = 0; i < samples.begin.size(); ++i) {
+    const Index from = samples.begin[i];
+    const Index to = i + 1 < samples.begin.size() ? samples.begin[i + 1] : v.size();
+    for (Index k = from; k < to; ++k) {
+      // As many before as after, or a change would shift it.
+      const Index half = std::min({kHalfWindow, k - from, to - 1 - k});
+      double sum = v(k), count = 1;
+      for (Index j = 1; j <= half; ++j) {
+        if (std::abs(v(k - j) - v(k)) > near || std::abs(v(k + j) - v(k)) > near) break;
+        sum += v(k - j) + v(k + j);
+        count += 2;
+      }
+      mean(k) = sum / count;
+    }
+  }
+  return mean;
+}
+
 /// Samples that slide.
 struct Sliding {
-  VectorXd velocity, torque;
+  VectorXd velocity, torque, raw;  // raw: the velocities as they were measured
+  std::vector<bool> faster;        // the speed grows
   std::vector<Index> begin;
 };
 
 Sliding SlidingOf(const FrictionSamples& samples, double least) {
+  const VectorXd velocity = Smoothed(samples);
   Sliding s;
   std::vector<Index> kept;
   std::size_t stretch = 0;
@@ -393,12 +422,15 @@ Sliding SlidingOf(const FrictionSamples& samples, double least) {
       fresh = true;
       ++stretch;
     }
-    if (!(std::abs(samples.velocity(k)) >= least)) continue;
+    if (!(std::abs(velocity(k)) >= least)) continue;
+    s.faster.push_back(k > 0 && k + 1 < velocity.size() &&
+                       std::abs(velocity(k + 1)) > std::abs(velocity(k - 1)));
     if (fresh || kept.empty()) s.begin.push_back(std::ssize(kept));
     kept.push_back(k);
     last = k;
   }
-  s.velocity = samples.velocity(kept);
+  s.velocity = velocity(kept);
+  s.raw = samples.velocity(kept);
   s.torque = samples.torque(kept);
   return s;
 }
@@ -420,11 +452,11 @@ bool IsOneVelocity(const Sliding& s, double sign) {
   std::vector<double> v;
   double differences = 0;
   Index pairs = 0;
-  for (Index k = 0; k < s.velocity.size(); ++k) {
-    if (s.velocity(k) * sign <= 0) continue;
-    v.push_back(s.velocity(k));
-    if (k > 0 && s.velocity(k - 1) * sign > 0) {
-      differences += std::pow(s.velocity(k) - s.velocity(k - 1), 2);
+  for (Index k = 0; k < s.raw.size(); ++k) {
+    if (s.raw(k) * sign <= 0) continue;
+    v.push_back(s.raw(k));
+    if (k > 0 && s.raw(k - 1) * sign > 0) {
+      differences += std::pow(s.raw(k) - s.raw(k - 1), 2);
       ++pairs;
     }
   }
@@ -436,32 +468,36 @@ bool IsOneVelocity(const Sliding& s, double sign) {
          std::sqrt(variance) < 0.2 * std::abs(all.mean());
 }
 
-void AddLackOfFit(FrictionFit& fit, const VectorXd& velocity, const VectorXd& r) {
+/// Bins of velocity, and in each those that grow faster by themselves: bristles lag behind.
+void AddLackOfFit(FrictionFit& fit, const Sliding& s, const VectorXd& r) {
   constexpr Index kInBin = 20, kMostBins = 12;
   double squares = 0, noise = 0, chi2 = 0;
   Index bins = 0;
   for (const double sign : {1.0, -1.0}) {
-    std::vector<Index> order;
-    for (Index k = 0; k < velocity.size(); ++k)
-      if (velocity(k) * sign > 0) order.push_back(k);
-    std::ranges::sort(order, {}, [&](Index k) { return std::abs(velocity(k)); });
-    const Index count = std::min(kMostBins, std::ssize(order) / kInBin);
-    for (Index b = 0; b < count; ++b) {
-      const Index from = b * std::ssize(order) / count, to = (b + 1) * std::ssize(order) / count;
-      double sum = 0, sum2 = 0;
-      for (Index i = from; i < to; ++i) {
-        const double e =
-            std::clamp(r(order[static_cast<std::size_t>(i)]), -4 * fit.scale, 4 * fit.scale);
-        sum += e;
-        sum2 += e * e;
+    for (const bool faster : {true, false}) {
+      std::vector<Index> order;
+      for (Index k = 0; k < std::ssize(s.faster); ++k)
+        if (s.velocity(k) * sign > 0 && s.faster[static_cast<std::size_t>(k)] == faster)
+          order.push_back(k);
+      std::ranges::sort(order, {}, [&](Index k) { return std::abs(s.velocity(k)); });
+      const Index size = std::ssize(order), count = std::min(kMostBins, size / kInBin);
+      for (Index b = 0; b < count; ++b) {
+        double sum = 0, sum2 = 0;
+        const Index from = b * size / count, to = (b + 1) * size / count;
+        for (Index i = from; i < to; ++i) {
+          const double e =
+              std::clamp(r(order[static_cast<std::size_t>(i)]), -4 * fit.scale, 4 * fit.scale);
+          sum += e;
+          sum2 += e * e;
+        }
+        const auto n = static_cast<double>(to - from);
+        const double mean = sum / n, variance = std::max(sum2 / n - mean * mean, 1e-30);
+        const double of_mean = variance * std::max(1.0, fit.inefficiency) / n;
+        squares += mean * mean;
+        noise += of_mean;
+        chi2 += mean * mean / of_mean;
+        ++bins;
       }
-      const auto n = static_cast<double>(to - from);
-      const double mean = sum / n, variance = std::max(sum2 / n - mean * mean, 1e-30);
-      const double of_mean = variance * std::max(1.0, fit.inefficiency) / n;
-      squares += mean * mean;
-      noise += of_mean;
-      chi2 += mean * mean / of_mean;
-      ++bins;
     }
   }
   if (bins == 0) return;
@@ -572,7 +608,7 @@ FrictionFit FitOf(const FrictionSamples& samples, const FrictionFitOptions& o, b
   if (!o.separate) {
     // One speed in both directions is one speed.
     Sliding speeds = sliding;
-    speeds.velocity = sliding.velocity.cwiseAbs();
+    speeds.raw = sliding.raw.cwiseAbs();
     if (IsOneVelocity(speeds, 1))
       for (const int i : {0, 1}) mark(i, "there is one speed only");
   }
@@ -652,7 +688,7 @@ FrictionFit FitOf(const FrictionSamples& samples, const FrictionFitOptions& o, b
   for (const double e : r) rho += InfluenceOf(o.loss, e / at.scale).rho;
   fit.aic = rho / fit.inefficiency + 2 * p;
   fit.bic = rho / fit.inefficiency + p * std::log(static_cast<double>(r.size()) / fit.inefficiency);
-  AddLackOfFit(fit, s.velocity, r);
+  AddLackOfFit(fit, sliding, r);
   if (o.folds > 0 && fit.unidentified.empty())
     fit.cross_validation = CrossValidation(shape, o, s, at);
   else if (o.folds > 0)
@@ -663,15 +699,15 @@ FrictionFit FitOf(const FrictionSamples& samples, const FrictionFitOptions& o, b
 }  // namespace
 
 double NoiseOf(const VectorXd& samples) {
-  if (samples.size() < 2) return 0;
-  std::vector<double> steps;
-  for (Index k = 1; k < samples.size(); ++k) steps.push_back(std::abs(samples(k) - samples(k - 1)));
-  return 1.4826 * MedianOf(std::move(steps)) / std::sqrt(2.0);
+  std::vector<double> bends;
+  for (Index k = 1; k + 1 < samples.size(); ++k)
+    bends.push_back(std::abs(samples(k + 1) - 2 * samples(k) + samples(k - 1)));
+  return 1.4826 * MedianOf(std::move(bends)) / std::sqrt(6.0);
 }
 
 double LeastVelocityOf(const FrictionSamples& samples, const FrictionFitOptions& options) {
   if (options.least_velocity > 0) return options.least_velocity;
-  return std::max(0.005, 4 * NoiseOf(samples.velocity));
+  return std::max(0.005, 4 * NoiseOf(samples.velocity) / std::sqrt(2.0 * kHalfWindow + 1));
 }
 
 Index LeastSamplesOf(const FrictionFitOptions& o) {

@@ -44,8 +44,8 @@ struct FrictionFitOptions {
   FrictionLoss loss = FrictionLoss::Cauchy;
   bool separate = false;  ///< parameters of their own for ω > 0 and ω < 0
   bool offset = false;    ///< b is estimated too
-  /// Slower samples do not slide [rad/s]; 0: 4 standard deviations of the noise of ω, as its
-  /// differences tell them, and at least 0.005 rad/s.
+  /// Slower samples do not slide [rad/s]; 0: 4 standard deviations of the noise of means of 11 ω,
+  /// as the differences of ω tell it, and at least 0.005 rad/s.
   double least_velocity = 0;
   int folds = 5;  ///< of the cross-validation; 0: none
   /// σ of the loss [N·m] and the inefficiency, to compare models on common terms; 0: estimated.
@@ -72,8 +72,9 @@ struct FrictionFit {
   /// How many samples in a row tell as much as one that is independent: N/N_eff.
   double inefficiency = 1;
   Eigen::Index block = 1;  ///< samples that were taken together for the covariance
-  /// Root mean square, over bins of velocity, of what is left of r in the mean beyond its noise
-  /// [N·m]: what the model cannot follow, a bias that no interval shows.
+  /// Root mean square, over bins of velocity and of speeds that grow or fall, of what is left of r
+  /// in the mean beyond its noise [N·m]: what the model cannot follow, a bias that no interval
+  /// shows.
   double lack_of_fit = 0;
   bool lacks_fit = false;  ///< it is more than chance explains
   double aic = 0, bic = 0;
@@ -88,7 +89,9 @@ struct FrictionFit {
   IdentifiedFriction Identified(const std::string& joint) const;
 };
 
-/// Fits by Ceres, robust weights inside the residuals. The covariance is that of an M-estimator,
+/// Fits by Ceres, robust weights inside the residuals. Each velocity is first replaced by the mean
+/// of up to 11 about it in its stretch that differ by no more than noise: what is left of the noise
+/// would flatten the curve. The covariance is that of an M-estimator,
 ///
 ///   Σ = A⁻¹ (Σ_b u_b u_bᵀ) A⁻¹,   A = Σ_k ψ'(r_k) J_k J_kᵀ,   u_b = Σ_{k in b} ψ(r_k) J_k
 ///
@@ -123,8 +126,8 @@ std::vector<FrictionFit> CompareFriction(const FrictionSamples& samples,
 FrictionSamples Pooled(const std::vector<FrictionSamples>& joints,
                        const std::vector<FrictionFit>& fits);
 
-/// Of the noise of samples in a row that change slowly: the root of half the mean square of their
-/// differences. Robust: from the median.
+/// The standard deviation of white noise on samples in a row that change slowly, from the median of
+/// their second differences.
 double NoiseOf(const Eigen::VectorXd& samples);
 
 }  // namespace pliant

