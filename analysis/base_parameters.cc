@@ -65,6 +65,7 @@ BaseParameters FindBaseParameters(const MatrixXd& A, double tolerance) {
   if (!base.dropped.empty())
     base.beta =
         scale.cwiseInverse().asDiagonal() * unit.householderQr().solve(A(Eigen::all, base.dropped));
+  base.beta = (base.beta.array().abs() < 1e-10).select(0.0, base.beta);  // round-off
   const VectorXd singular = Eigen::BDCSVD<MatrixXd>(unit).singularValues();
   base.condition = singular[0] / singular[rank - 1];
   return base;

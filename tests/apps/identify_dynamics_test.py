@@ -58,7 +58,7 @@ class IdentifyDynamics(InFolder):
         self.refuses("out.txt: expected a file that ends in .yaml or .urdf", *self.identify("--out", "out.txt"))
         self.refuses("out.yaml: a .yaml holds a payload; for the figures of links expected a file that ends in "
                      ".urdf, or --payload", *self.identify("--out", "out.yaml"))
-        self.refuses('log.csv: expected 7 joints, those of robot "gen3", found 1; name them with --joints, in the '
+        self.refuses('log.csv: expected 7 joints, those of robot "gen3_7dof", found 1; name them with --joints, in the '
                      "robot's order", "identify", "dynamics", "log.csv", *GEN3, *NAMES)
         self.swing("still.csv", amplitude=0.001)
         self.assertIn("the arm does not move", self.ends(2, "identify", "dynamics", "still.csv", "--urdf",
