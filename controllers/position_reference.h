@@ -27,7 +27,7 @@ class PositionReference final : public Block {
   explicit PositionReference(const Options& o)
       : acceleration{this, "acceleration", o.joints},
         follow{this, "follow", {}, false},
-        measured_position{this, "measured_position", o.joints, o.start},
+        measured_position{this, "measured_position", o.joints, JointPosition::Zero(o.joints)},
         measured_velocity{this, "measured_velocity", o.joints, JointVelocity::Zero(o.joints)},
         position{this, "position", o.joints, o.start},
         velocity{this, "velocity", o.joints},

@@ -83,6 +83,8 @@ TEST(PadModes, StaysInItsModesWhenThePadIsUnplugged) {
   stays();
   person.Say(With({Cross, Circle}));  // down when it comes back
   stays();
+  person.Say(With({}));
+  stays();
   person.Press(Circle);
   EXPECT_EQ(person.control(), ArmControl::ProposedTorque);
 }
@@ -165,9 +167,9 @@ TEST_F(PadFile, ReadsWhatItWrites) {
 
 TEST_F(PadFile, IsRefusedWhereItIsNone) {
   EXPECT_EQ(ErrorIn("events:\n  - {at_s: 1, what: pres, button: cross}\n"),
-            "2:20: expected one of connect, disconnect, press, release, got 'pres'; did you mean "
+            "2:21: expected one of connect, disconnect, press, release, got 'pres'; did you mean "
             "'press'?");
-  EXPECT_EQ(ErrorIn("events:\n  - {at_s: 1, what: press, button: crss}\n").substr(0, 4), "2:35");
+  EXPECT_EQ(ErrorIn("events:\n  - {at_s: 1, what: press, button: crss}\n").substr(0, 4), "2:36");
   EXPECT_EQ(ErrorIn("events:\n  - {what: connect}\n").substr(0, 3), "2:5");
   EXPECT_EQ(ErrorIn("events:\n  - {at_s: 1, what: press}\n"),
             " event 1: expected the button of a press or release");
