@@ -66,7 +66,7 @@ class Identify(InFolder):
                   "--joints", "2", "--model", "coulomb_viscous", "--loss", "huber", "--directions",
                   "separate", "--out", "friction.yaml")
         text = (self.folder / "friction.yaml").read_text()
-        self.assertIn("joint: joint_2", text)
+        self.assertIn('joint: "joint_2"', text)
         self.assertNotIn("joint_1", text)
         self.assertIn("coulomb_negative", text)
 

@@ -49,7 +49,8 @@ def main():
         start = time.monotonic()
         done = subprocess.run(
             [sys.argv[1], "identify", "friction", log, "--time", "t", "--velocity", "v{}", "--current",
-             "i{}", "--torque", "tau{}", "--robot", "gen3", "--out", Path(folder) / "friction.yaml"],
+             "i{}", "--torque", "tau{}", "--torque-per-ampere", "11",
+             "--reflected-inertia", "0.4", "--out", Path(folder) / "friction.yaml"],
             capture_output=True, text=True)
         wall = time.monotonic() - start
         text = (Path(folder) / "friction.yaml").read_text() if done.returncode == 0 else ""
