@@ -14,7 +14,8 @@ namespace {
 
 constexpr char kExitCodes[] =
     "Exit codes: 0 it ran; 1 a claim fails (--strict), a replay differs, a log is not whole, a\n"
-    "contact passes its limits or doctor misses something; 2 wrong use or input; 3 it could not go\n"
+    "contact passes its limits or doctor misses something; 2 wrong use or input; 3 it could not "
+    "go\n"
     "on; 130 stopped by Ctrl-C, what was logged is kept.";
 
 /// What CLI11 would call a missing command; the words before the first option name one.

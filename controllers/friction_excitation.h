@@ -61,12 +61,15 @@ struct FrictionTest {
   int speeds = 8;                        ///< how many, evenly up to the largest, each both ways
   double settle_s = 0.5;                 ///< before a speed counts as constant
   double dwell_s = 0.5;                  ///< how long it is kept then
-  double range = 0.7;               ///< of a joint with position limits: part of the way to each
-  double acceleration = 4;          ///< of sweeps, of braking and on the way back [rad/s²]
-  int break_aways = 2;              ///< ramps each way
-  double ramp_s = 2;                ///< from 0 to the Coulomb friction that is assumed
-  double break_angle = 1e-3;        ///< how far a joint turns before it counts as broken away [rad]
-  double bandwidth = 25;            ///< p, of the loop that holds and moves joints [1/s]
+  double range = 0.7;         ///< of a joint with position limits: part of the way to each
+  double acceleration = 4;    ///< of sweeps, of braking and on the way back [rad/s²]
+  int break_aways = 2;        ///< ramps each way
+  double ramp_s = 2;          ///< from 0 to the Coulomb friction that is assumed
+  double break_angle = 1e-3;  ///< how far a joint turns before it counts as broken away [rad]
+  /// p, of the loop that holds and moves joints [1/s]. 3 p is where it crosses 1: far below the
+  /// resonance of elastic gears, which is at 260 rad/s of the Gen3's shoulder with its arm
+  /// stretched.
+  double bandwidth = 8;
   double velocity_limit = 1;        ///< stops, as a part of the joint's limit
   double position_tolerance = 0.1;  ///< stops, off the reference or beyond a bound [rad]
   double temperature_limit = 60;    ///< stops [°C]

@@ -247,7 +247,7 @@ class Run(InFolder):
         self.ends(0, "log", "repair", "told.mcap", "other.mcap")
         done = self.pliant("replay", "other.mcap")
         self.assertEqual(done.returncode, 1)
-        self.assertRegex(done.stdout, r"^different: \d of 10 signals over 101 rows, 0 s to 0.1 s\n")
+        self.assertRegex(done.stdout, r"^different: \d of 13 signals over 101 rows, 0 s to 0.1 s\n")
         self.assertIn("control.torque[joint_1] (N·m)", done.stdout)
 
     def test_with_a_log_that_lacks_ticks_says_so_in_its_replay(self):
