@@ -24,7 +24,8 @@ Pose PoseAt(const RecordedSignal& pose, double t) {
   const Eigen::Index k =
       std::min<Eigen::Index>((pose.times.array() < t - 1e-9).count(), pose.times.size() - 1);
   Pose at;
-  at.position = PositionsOf(pose).col(k);
+  constexpr std::array<const char*, 3> axes{"position[x]", "position[y]", "position[z]"};
+  for (int i = 0; i < 3; ++i) at.position(i) = pose.numbers(pose.row(axes[i]), k);
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j)
       at.rotation(i, j) = pose.numbers(

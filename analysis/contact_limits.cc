@@ -51,7 +51,7 @@ constexpr std::array<Row, 29> kTable{{
     {"calf_muscle", "lower legs", 210, 130},
 }};
 
-constexpr double kTransient_s = 0.5;
+constexpr double kTransient_s = 0.5, kPause_s = 0.1;
 
 /// "12 N of 140 N"
 std::string Against(double value, double limit, const char* unit) {
@@ -81,19 +81,15 @@ ContactLimits LimitsOf(BodyArea area) {
 
 Contacts ContactsOf(const Eigen::VectorXd& times, const Eigen::VectorXd& force, double threshold) {
   Contacts all;
-  double began = 0;
-  bool touches = false;
+  double began = 0, last = -kUnbounded;
   for (Eigen::Index k = 0; k < times.size(); ++k) {
     const double f = std::isnan(force(k)) ? kUnbounded : force(k);
-    if (f < threshold) {
-      touches = false;
-      continue;
-    }
-    if (!touches) {
-      touches = true;
+    if (f < threshold) continue;
+    if (times(k) - last > kPause_s) {
       began = times(k);
       ++all.count;
     }
+    last = times(k);
     const double lasted = times(k) - began;
     all.longest_s = std::max(all.longest_s, lasted);
     double& largest = lasted < kTransient_s ? all.transient : all.quasi_static;
@@ -129,7 +125,7 @@ Claim KeepsContactLimits::Judge(const RecordedSignal& recorded) const {
   const ContactLimits limits = LimitsOf(body);
   std::string measured =
       std::to_string(of.count) + (of.count == 1 ? " contact" : " contacts") + " of " + contact;
-  bool holds = true;
+  bool holds = of.count > 0;
   const auto compare = [&](const char* kind, double force, double multiple) {
     if (force == 0) return;
     measured += std::string("; ") + kind + " " + Against(force, multiple * limits.force, "N");

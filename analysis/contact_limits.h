@@ -57,7 +57,8 @@ struct ContactLimits {
 };
 ContactLimits LimitsOf(BodyArea area);
 
-/// The contacts in a log and the largest forces in them. A contact lasts while ‖F‖ ≥ `threshold`.
+/// The contacts in a log and the largest forces in them. A contact lasts while ‖F‖ ≥ `threshold`,
+/// with pauses of 0.1 s at most: a part that is tapped has no time to recover between.
 /// Its first half second is transient, what follows quasi-static: the part of the body is clamped,
 /// or moves along.
 struct Contacts {
@@ -75,7 +76,7 @@ Contacts ContactsOf(const Eigen::VectorXd& times, const Eigen::VectorXd& force, 
 std::array<Eigen::Index, 3> ForceRows(const RecordedSignal& contact);
 
 /// Contacts stay within what a person bears: forces, and pressures F/A if the area A of the contact
-/// is known, transient and quasi-static.
+/// is known, transient and quasi-static. Where nothing was touched there is nothing to hold.
 struct KeepsContactLimits {
   static constexpr const char* kTag = "KeepsContactLimits";
   ClaimSource claim;

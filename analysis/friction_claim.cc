@@ -29,7 +29,8 @@ std::string Rounded(double x) { return Text(std::round(1e4 * x) / 1e4); }
 /// A fit of some joints against their truth.
 class Comparison {
  public:
-  Comparison(const RunData& run, FrictionTerm term) : run_{run}, term_{term} {}
+  Comparison(const RunData& run, FrictionTerm term, double within)
+      : run_{run}, term_{term}, within_{within} {}
 
   void Add(const std::string& name, const FrictionFit& fit,
            const std::vector<TestedJoint>& joints) {
@@ -54,14 +55,16 @@ class Comparison {
     const double allowed = interval + (term_ == FrictionTerm::Viscous ? drift / fastest : drift) +
                            (term_ == FrictionTerm::Static ? friction.viscous * broke : 0);
     measured_ += Rounded(found->value) + " for " + Text(truth) + " (" + Rounded(off) +
-                 " off, allowed " + Rounded(allowed) + ")";
-    holds_ = holds_ && off <= allowed;  // NaN never holds
+                 " off, allowed " + Rounded(allowed) + ", half the interval " + Rounded(interval) +
+                 ")";
+    // NaN never holds.
+    holds_ = holds_ && off <= allowed && interval <= within_ * truth;
     covered_ += off <= interval;
     ++all_;
   }
-  /// A joint that was to be tested, and was not.
-  void Lacks(const std::string& name) {
-    measured_ += (measured_.empty() ? "" : "; ") + name + " was not tested";
+  /// Joints of which there is no fit, and why.
+  void Lacks(const std::string& name, const std::string& why) {
+    measured_ += (measured_.empty() ? "" : "; ") + name + " " + why;
     holds_ = false;
   }
   std::string measured() const {
@@ -80,6 +83,7 @@ class Comparison {
 
   const RunData& run_;
   const FrictionTerm term_;
+  const double within_;
   std::string measured_;
   bool holds_ = true;
   int covered_ = 0, all_ = 0;
@@ -102,24 +106,28 @@ void FrictionIdentified::RequireFit(const Scenario& scenario) const {
 
 Claim FrictionIdentified::Check(const Runs& runs) const {
   const RunData& tested = runs[run];
-  Comparison comparison(tested, term);
+  Comparison comparison(tested, term, within);
+  std::vector<std::string> shown;
   for (const ActuatorSize& size : SizesOf(tested)) {
-    const SizeFit fit = FitOf(size);
-    if (of == FrictionGroup::Sizes) comparison.Add(size.name, fit.all, size.joints);
-    for (std::size_t i = 0; of == FrictionGroup::Joints && i < fit.each.size(); ++i)
-      comparison.Add(tested.arm.model.joint(size.joints[i].joint).name, fit.each[i],
-                     {size.joints[i]});
+    for (const TestedJoint& joint : size.joints)
+      shown.push_back(tested.arm.model.joint(joint.joint).name);
+    try {
+      const SizeFit fit = FitOf(size);
+      if (of == FrictionGroup::Sizes) comparison.Add(size.name, fit.all, size.joints);
+      for (std::size_t i = 0; of == FrictionGroup::Joints && i < fit.each.size(); ++i)
+        comparison.Add(tested.arm.model.joint(size.joints[i].joint).name, fit.each[i],
+                       {size.joints[i]});
+    } catch (const Error& e) {  // too little of a test that was stopped
+      comparison.Lacks(size.name, e.what());
+    }
   }
   for (const std::string& name : JointsToTest(tested))
-    if (std::ranges::none_of(TestedJointsOf(tested), [&](const TestedJoint& of_run) {
-          return tested.arm.model.joint(of_run.joint).name == name;
-        }))
-      comparison.Lacks(name);
+    if (std::ranges::find(shown, name) == shown.end()) comparison.Lacks(name, "was not tested");
   const std::string of_whom = of == FrictionGroup::Sizes ? "each actuator size" : "each joint";
   return claim.Stated(
       comparison.measured(),
-      "of " + of_whom +
-          " off by at most half the 95 % interval, and what the torque sensor drifts" +
+      "of " + of_whom + " half the 95 % interval at most " + Text(100 * within) +
+          " % of the truth, and off by at most that half and what the torque sensor drifts" +
           (term == FrictionTerm::Viscous ? " over the largest speed" : "") +
           (term == FrictionTerm::Static ? " and viscous friction adds when breaking away is noticed"
                                         : ""),

@@ -32,13 +32,14 @@ inline const std::vector<std::string>& Words(FrictionGroup) {
 ///   |ĉ − c| ≤ Δ + D,   |d̂ − d| ≤ Δ + D/ω_max,   |ŝ − s| ≤ Δ + D + d ω_b
 ///
 /// ω_b is the speed at which breaking away is noticed. Intervals know noise, but take the offset
-/// for constant.
+/// for constant. Where Δ is more than `within` of the truth, nothing is recovered.
 struct FrictionIdentified {
   static constexpr const char* kTag = "FrictionIdentified";
   ClaimSource claim;
   std::string run;
   FrictionTerm term = FrictionTerm::Coulomb;
   FrictionGroup of = FrictionGroup::Joints;
+  double within = 0.05;
 
   template <class F>
   void Parameters(F&& f) {
@@ -46,6 +47,7 @@ struct FrictionIdentified {
     f("run", run);
     f("term", term);
     f("of", of);
+    f("within", within, "", kPositive);
   }
   /// Throws Error if its run is no friction experiment, or not of an arm with friction.
   void RequireFit(const Scenario& scenario) const;

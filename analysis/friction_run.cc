@@ -5,6 +5,8 @@
 #include <tuple>
 #include <variant>
 
+#include "pliant/analysis/signal_number.h"
+
 namespace pliant {
 
 namespace {
@@ -43,9 +45,7 @@ double SlopeAt(const Eigen::VectorXd& t, const Eigen::VectorXd& v, Eigen::Index 
 void RequireFrictionExperiment(const Scenario& scenario) {
   Require(std::holds_alternative<FrictionExperiment::Options>(scenario.controller),
           "it is about a controller of the kind !FrictionExperiment");
-  const Duration control = ControlPeriodOf(scenario), log = LogPeriodOf(scenario);
-  Require(!(control < log), "log_period must be <= " + control.text() + ", the controller's period",
-          log.text());
+  RequireEveryTick(scenario);
 }
 
 std::vector<TestedJoint> TestedJointsOf(const RunData& run) {
@@ -83,6 +83,9 @@ std::vector<TestedJoint> TestedJointsOf(const RunData& run) {
     }
     std::vector<double> broke;
     for (const Stretch& ramp : ramps) {
+      // One that was stopped, or that the log ends in, broke nothing away.
+      if (ramp.end == t.size() || phase(ramp.end) != static_cast<double>(FrictionPhase::Return))
+        continue;
       const Stretch last{std::max(ramp.begin, ramp.end - 2 * kHalfWindow - 1), ramp.end};
       const Eigen::Index middle = (last.begin + last.end) / 2;
       broke.push_back(missing.segment(last.begin, last.size()).mean() -

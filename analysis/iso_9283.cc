@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 
+#include "pliant/analysis/signal_number.h"
 #include "pliant/controllers/rotation.h"
 #include "pliant/systems/error.h"
 #include "pliant/systems/parameter.h"
@@ -43,7 +44,7 @@ std::optional<Eigen::Vector3d> Crossing(const Eigen::VectorXd& times, const Seri
   double nearest_s = std::numeric_limits<double>::infinity();
   for (Eigen::Index k = begin; k < end; ++k) {
     const double before = u.dot(attained.col(k - 1) - c), behind = u.dot(attained.col(k) - c);
-    if (before > 0 || behind <= 0) continue;
+    if (!(before <= 0 && behind > 0)) continue;
     const double part = before / (before - behind);
     const double off = std::abs(times(k - 1) + part * (times(k) - times(k - 1)) - t);
     if (off >= nearest_s) continue;
@@ -99,7 +100,14 @@ PathAccuracy PathAccuracyOf(const Eigen::VectorXd& times, const Series& commande
   }
   const Eigen::VectorXd speeds = Norms(velocities);
   const double fastest = Largest(speeds);
+  Require(std::isfinite(fastest), "what is commanded must be finite");
   Require(fastest > 0, "the accuracy of a path is of one along which something is to move");
+
+  // A tool that is nowhere follows nothing.
+  const RowsBetween seen(times, rounds.from_s - 0.25 * rounds.period_s,
+                         to_s + 0.25 * rounds.period_s);
+  if (!attained.middleCols(seen.begin, seen.size()).allFinite())
+    return {.accuracy = kUnbounded, .repeatability = kUnbounded, .points = 0};
 
   PathAccuracy of;
   for (int i = 0; i < kPoints; ++i) {

@@ -23,7 +23,7 @@ Claim LeastClaim::Check(const Runs& runs) const {
   for (const std::string& other : others) {
     const double value = number.Of(runs[other]);
     measured += "; " + runs[other].title + " " + WithUnit(value, unit);
-    holds = holds && factor * least <= value;
+    holds = holds && least <= value && factor * least <= value;
   }
   return claim.Stated(measured,
                       factor == 1 ? "at most each of the others"

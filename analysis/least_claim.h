@@ -11,7 +11,7 @@ namespace pliant {
 /// A number of one run is less than that of each of some others, such as of a baseline whose gain
 /// nobody publishes, over the gains it may have: in every repetition
 ///
-///   factor x ≤ min_i x_i
+///   x ≤ min_i x_i,  factor x ≤ min_i x_i,   factor ≥ 1
 ///
 /// What is measured is said of each.
 struct LeastClaim {
@@ -30,7 +30,7 @@ struct LeastClaim {
     f("run", run);
     f("others", others);
     number.Parameters(f);
-    f("factor", factor, "", kPositive);
+    f("factor", factor, "", Range{.least = 1, .most = 1e6});
   }
   /// Throws Error without others, if a run is compared with itself, and where the number does.
   void RequireFit(const Scenario& scenario) const;

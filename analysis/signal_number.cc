@@ -64,6 +64,12 @@ double SettlingTime(const SignalNumber& number, const Eigen::VectorXd& times, co
 
 }  // namespace
 
+void RequireEveryTick(const Scenario& scenario) {
+  const Duration control = ControlPeriodOf(scenario), log = LogPeriodOf(scenario);
+  Require(!(control < log), "log_period must be <= " + control.text() + ", the controller's period",
+          log.text());
+}
+
 void RequireRowBetween(double from_s, double to_s, const Scenario& scenario) {
   Require(from_s <= to_s, "from_s must be <= to_s", Text(from_s) + " and " + Text(to_s));
   Require(from_s <= scenario.duration_s,

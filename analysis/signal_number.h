@@ -79,6 +79,10 @@ struct SignalNumber {
   double Of(const RunData& run) const;
 };
 
+/// Throws Error unless a scenario's log has a row at each tick of its controller: between two rows
+/// of a coarser one anything may have happened.
+void RequireEveryTick(const Scenario& scenario);
+
 /// Throws Error unless a row of a scenario's log lies between two times of it.
 void RequireRowBetween(double from_s, double to_s, const Scenario& scenario);
 

@@ -105,6 +105,15 @@ TEST(PathAccuracy, IsInfiniteOfAPathThatIsNotFollowed) {
   EXPECT_EQ(of.repeatability, std::numeric_limits<double>::infinity());
 }
 
+TEST(PathAccuracy, IsInfiniteOfAToolThatIsNowhereForARow) {
+  Circles circles({1, 1});
+  circles.attained.col(900).setConstant(std::numeric_limits<double>::quiet_NaN());
+  const PathAccuracy of = PathAccuracyOf(circles.times, circles.commanded, circles.attained,
+                                         {.from_s = 0, .period_s = 1, .count = 2});
+  EXPECT_EQ(of.accuracy, std::numeric_limits<double>::infinity());
+  EXPECT_EQ(of.repeatability, std::numeric_limits<double>::infinity());
+}
+
 TEST(PathAccuracy, NamesRoundsThatCannotBe) {
   const Circles circles({1, 1});
   const auto with = [&](const Rounds& rounds) {

@@ -43,6 +43,14 @@ TEST(LeastClaim, ComparesWithEachOfTheOthers) {
   EXPECT_EQ(Of(1).Check(runs).criterion, "at most each of the others");
 }
 
+TEST(LeastClaim, DoesNotHoldOfANegativeNumberThatIsLarger) {
+  const RunData one = Constantly("one", -1), two = Constantly("two", -1.5),
+                three = Constantly("three", 4);
+  LeastClaim claim = Of(2);
+  claim.number.statistic = Statistic::Last;
+  EXPECT_FALSE(claim.Check(Runs({&one, &two, &three})).holds);
+}
+
 TEST(LeastClaim, DoesNotHoldOfWhatIsNoNumber) {
   const RunData one = Constantly("one", 2), two = Constantly("two", std::nan("")),
                 three = Constantly("three", 4);
