@@ -47,8 +47,8 @@ enum class BodyArea {
 const std::vector<std::string>& Words(BodyArea);
 
 /// What a contact with a part of the body may come to.
-/// Source: ISO/TS 15066:2016, table A.2. Its force limits are those at which bruises begin, its
-/// pressure limits those at which pain begins, of 100 adults. Not for children.
+/// Source: ISO/TS 15066:2016, table A.2. Its limits of force are from a study of literature, at
+/// which bruises begin; those of pressure, at which pain begins, from a study of 100 adults.
 struct ContactLimits {
   std::string region;    ///< of the body, such as "hands and fingers"
   double force;          ///< [N], quasi-static
@@ -75,8 +75,9 @@ Contacts ContactsOf(const Eigen::VectorXd& times, const Eigen::VectorXd& force, 
 /// throws Error if it has neither.
 std::array<Eigen::Index, 3> ForceRows(const RecordedSignal& contact);
 
-/// Contacts stay within what a person bears: forces, and pressures F/A if the area A of the contact
-/// is known, transient and quasi-static. Where nothing was touched there is nothing to hold.
+/// Contacts stay within what a person bears: forces, and mean pressures F/A if the area A of the
+/// contact is known, transient and quasi-static. Where nothing was touched there is nothing to
+/// hold.
 struct KeepsContactLimits {
   static constexpr const char* kTag = "KeepsContactLimits";
   ClaimSource claim;

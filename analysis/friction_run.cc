@@ -101,6 +101,33 @@ std::vector<TestedJoint> TestedJointsOf(const RunData& run) {
   return all;
 }
 
+std::optional<RunData> FrictionRunOf(const std::filesystem::path& file) {
+  if (file.extension() != ".mcap") return std::nullopt;
+  try {
+    if (RunHeading::Read(file).experiment.find(FrictionExperiment::Options::kTag) ==
+        std::string::npos)
+      return std::nullopt;
+  } catch (const Error&) {  // somebody else's
+    return std::nullopt;
+  }
+  RunData run = RunData::Read(file);
+  if (!std::holds_alternative<FrictionExperiment::Options>(run.scenario.controller))
+    return std::nullopt;
+  RequireFrictionExperiment(run.scenario);
+  return run;
+}
+
+std::vector<TestedDrive> TestedDrivesOf(const RunData& run) {
+  std::vector<TestedDrive> all;
+  for (TestedJoint& joint : TestedJointsOf(run)) {
+    const ActuatorParameters& p = run.arm.actuators.joint[static_cast<std::size_t>(joint.joint)];
+    all.push_back({.log = {.joint = run.arm.model.joint(joint.joint).name,
+                           .samples = std::move(joint.samples)},
+                   .drive = {p.torque_per_ampere(), p.reflected_inertia()}});
+  }
+  return all;
+}
+
 std::vector<ActuatorSize> SizesOf(const RunData& run) {
   const auto kind = [&](int joint) {
     ActuatorParameters p = run.arm.actuators.joint[static_cast<std::size_t>(joint)];

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "pliant/analysis/friction_log.h"
 #include "pliant/analysis/run_data.h"
 #include "pliant/estimators/friction_fit.h"
 
@@ -26,6 +28,17 @@ void RequireFrictionExperiment(const Scenario& scenario);
 /// The joints under test in the order of the robot. q̈ is the slope of the line that fits 41
 /// samples of the velocity best.
 std::vector<TestedJoint> TestedJointsOf(const RunData& run);
+
+/// The run of a log with !FrictionExperiment; none of any other file. Such a run says itself which
+/// samples are steady and where ramps broke joints away, so nothing is guessed from the numbers.
+std::optional<RunData> FrictionRunOf(const std::filesystem::path& file);
+
+/// What such a run has shown of each joint under test, and its motors.
+struct TestedDrive {
+  FrictionLog log;
+  DriveFigures drive;
+};
+std::vector<TestedDrive> TestedDrivesOf(const RunData& run);
 
 /// The joints that one actuator drives, in all but their friction.
 struct ActuatorSize {

@@ -134,6 +134,18 @@ TEST(FrictionIdentified, FailsWhereAJointWasNotTested) {
   EXPECT_THAT(claim.measured, HasSubstr("joint_7 was not tested"));
 }
 
+TEST(FrictionRun, HandsOnTheJointsThatWereTestedAndNoOthers) {
+  const RunData run = Tested(2, 1.5, 2.5, 0.4);
+  const std::vector<TestedDrive> drives = TestedDrivesOf(run);
+  ASSERT_EQ(drives.size(), 2u);
+  EXPECT_EQ(drives[1].log.joint, "joint_5");
+  EXPECT_EQ(drives[1].drive.torque_per_ampere, run.arm.actuators.joint[4].torque_per_ampere());
+  EXPECT_EQ(drives[1].drive.reflected_inertia, run.arm.actuators.joint[4].reflected_inertia());
+  EXPECT_EQ(drives[1].log.samples.velocity, TestedJointsOf(run)[1].samples.velocity);
+  EXPECT_FALSE(FrictionRunOf("none.mcap"));
+  EXPECT_FALSE(FrictionRunOf("sweep.csv"));
+}
+
 TEST(FrictionRun, TakesTheRotorsOffTheTorque) {
   RunData run = Tested(2, 0, 2, 0);
   std::vector<RecordedSignal> signals = run.log.signals();
