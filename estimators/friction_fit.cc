@@ -26,6 +26,13 @@ const std::vector<std::string>& Words(FrictionLoss) {
   return words;
 }
 
+double MedianOf(std::vector<double> all) {
+  if (all.empty()) return 0;
+  const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
+  std::nth_element(all.begin(), middle, all.end());
+  return *middle;
+}
+
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -33,6 +40,7 @@ constexpr int kMostParameters = 9;
 constexpr double kHuber = 1.345, kCauchy = 2.385;
 constexpr double kLeastSingularValue = 0.005;
 constexpr double kNormal95 = 1.959963984540054;
+constexpr Index kLeastInDirection = 20;
 
 /// The parameters in their order: [c, d, (s, log ω_s)], of ω > 0 and then of ω < 0 if they are
 /// separate, and b.
@@ -154,13 +162,6 @@ VectorXd Residuals(const Shape& shape, const VectorXd& x, const VectorXd& veloci
   VectorXd r(velocity.size());
   for (Index k = 0; k < r.size(); ++k) r(k) = torque(k) - shape(x.data(), velocity(k), nullptr);
   return r;
-}
-
-double MedianOf(std::vector<double> all) {
-  if (all.empty()) return 0;
-  const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
-  std::nth_element(all.begin(), middle, all.end());
-  return *middle;
 }
 
 double ScaleOf(const VectorXd& r) {
@@ -313,9 +314,14 @@ Blocking BlockingOf(const VectorXd& psi, const std::vector<Index>& begin) {
   return result;
 }
 
-/// Of Student's t, two-sided 95 %. Abramowitz & Stegun 26.7.5.
+/// Of Student's t, two-sided 95 %, n ≥ 1 degrees. A table where the series of Abramowitz & Stegun
+/// 26.7.5 is off by more than 0.1 %.
 double Student95(double degrees) {
-  const double z = kNormal95, z3 = z * z * z, z5 = z3 * z * z, n = std::max(degrees, 3.0);
+  constexpr double kFew[] = {12.706205, 4.302653, 3.182446, 2.776445, 2.570582,
+                             2.446912,  2.364624, 2.306004, 2.262157, 2.228139};
+  const double n = std::max(degrees, 1.0);
+  if (n < 11) return kFew[static_cast<int>(n) - 1];
+  const double z = kNormal95, z3 = z * z * z, z5 = z3 * z * z;
   return z + (z3 + z) / (4 * n) + (5 * z5 + 16 * z3 + 3 * z) / (96 * n * n);
 }
 
@@ -379,12 +385,15 @@ Certainty CertaintyOf(const Shape& shape, FrictionLoss loss, const Solution& at,
 constexpr Index kHalfWindow = 5;
 
 /// The mean of each velocity and of its neighbours in the same stretch that differ by noise at
-/// most: noise in ω would flatten what is fitted over it.
-VectorXd Smoothed(const FrictionSamples& samples) {
+/// most: noise in ω would flatten what is fitted over it. `of` is how many are in each.
+struct Means {
+  VectorXd velocity, of;
+};
+Means MeansOf(const FrictionSamples& samples) {
   const VectorXd& v = samples.velocity;
   const double near = 5 * NoiseOf(v);
-  VectorXd mean = v;
-  if (near == 0) return mean;
+  Means means{v, VectorXd::Ones(v.size())};
+  if (near == 0) return means;
   for (std::size_t i = 0; i < samples.begin.size(); ++i) {
     const Index from = samples.begin[i];
     const Index to = i + 1 < samples.begin.size() ? samples.begin[i + 1] : v.size();
@@ -397,10 +406,11 @@ VectorXd Smoothed(const FrictionSamples& samples) {
         sum += v(k - j) + v(k + j);
         count += 2;
       }
-      mean(k) = sum / count;
+      means.velocity(k) = sum / count;
+      means.of(k) = count;
     }
   }
-  return mean;
+  return means;
 }
 
 /// Samples that slide.
@@ -410,8 +420,12 @@ struct Sliding {
   std::vector<Index> begin;
 };
 
-Sliding SlidingOf(const FrictionSamples& samples, double least) {
-  const VectorXd velocity = Smoothed(samples);
+Sliding SlidingOf(const FrictionSamples& samples, const FrictionFitOptions& o) {
+  const Means means = MeansOf(samples);
+  const VectorXd& velocity = means.velocity;
+  const double least = LeastVelocityOf(samples, o);
+  // A mean of few, at the ends of a stretch, has more noise.
+  const double noise = o.least_velocity > 0 ? 0 : 4 * NoiseOf(samples.velocity);
   Sliding s;
   std::vector<Index> kept;
   std::size_t stretch = 0;
@@ -422,7 +436,7 @@ Sliding SlidingOf(const FrictionSamples& samples, double least) {
       fresh = true;
       ++stretch;
     }
-    if (!(std::abs(velocity(k)) >= least)) continue;
+    if (!(std::abs(velocity(k)) >= std::max(least, noise / std::sqrt(means.of(k))))) continue;
     s.faster.push_back(k > 0 && k + 1 < velocity.size() &&
                        std::abs(velocity(k + 1)) > std::abs(velocity(k - 1)));
     if (fresh || kept.empty()) s.begin.push_back(std::ssize(kept));
@@ -435,16 +449,18 @@ Sliding SlidingOf(const FrictionSamples& samples, double least) {
   return s;
 }
 
-void RequireSound(const FrictionSamples& samples, const FrictionFitOptions& o) {
+SlidingCount CountOf(const Sliding& s) {
+  const Index positive = (s.velocity.array() > 0).count();
+  return {positive, s.velocity.size() - positive};
+}
+
+void RequireSound(const FrictionSamples& samples) {
   Require(samples.velocity.size() == samples.torque.size(),
           "there must be a torque for each velocity, " + Text(samples.velocity.size()),
           samples.torque.size());
   Require(
       samples.velocity.allFinite() && samples.torque.allFinite() && samples.break_away.allFinite(),
       "velocities and torques must be finite");
-  Require(o.least_velocity >= 0, "least_velocity must be ≥ 0", o.least_velocity);
-  Require(o.folds == 0 || (o.folds >= 2 && o.folds <= 100), "folds must be 0 or from 2 to 100",
-          o.folds);
 }
 
 /// Whether the velocities of a direction are one velocity and its noise.
@@ -560,7 +576,7 @@ FrictionFit FitOf(const FrictionSamples& samples, const FrictionFitOptions& o, b
   FrictionFit fit;
   fit.options = o;
   fit.least_velocity = LeastVelocityOf(samples, o);
-  Sliding s = SlidingOf(samples, fit.least_velocity);
+  Sliding s = SlidingOf(samples, o);
   fit.samples = s.velocity.size();
   if (fit.samples < 10 * p)
     throw Error("a fit of " + Text(p) + " parameters needs at least " + Text(10 * p) +
@@ -594,17 +610,28 @@ FrictionFit FitOf(const FrictionSamples& samples, const FrictionFitOptions& o, b
     known.unknown[static_cast<std::size_t>(i)] = true;
     if (why[static_cast<std::size_t>(i)].empty()) why[static_cast<std::size_t>(i)] = reason;
   };
+  const SlidingCount slides = CountOf(sliding);
   for (const double sign : {1.0, -1.0}) {
-    const bool any = (sliding.velocity.array() * sign > 0).any();
+    const Index count = sign > 0 ? slides.positive : slides.negative;
+    const std::string direction = sign > 0 ? "positive direction" : "negative direction";
     const int from = shape.begin(sign);
-    if (o.separate && !any)
+    if (o.separate && count < kLeastInDirection)
       for (int i = from; i < from + shape.each(); ++i)
-        mark(i, std::string("nothing moves in the ") + (sign > 0 ? "positive" : "negative") +
-                    " direction");
-    if (o.separate && any && IsOneVelocity(sliding, sign))
+        mark(i, count == 0 ? "nothing moves in the " + direction
+                           : "only " + Text(count) + " samples slide in the " + direction +
+                                 ", it needs " + Text(kLeastInDirection));
+    else if (o.separate && IsOneVelocity(sliding, sign))
       for (const int i : {from, from + 1}) mark(i, "there is one velocity only");
   }
-  const bool both = (sliding.velocity.array() > 0).any() && (sliding.velocity.array() < 0).any();
+  const bool both = slides.both();
+  if (o.offset && !both) {
+    const std::string reason = "with one direction only, an offset is not told from coulomb";
+    for (const double sign : {1.0, -1.0}) {
+      mark(shape.begin(sign), reason);
+      if (stribeck) mark(shape.begin(sign) + 2, reason);
+    }
+    mark(p - 1, reason);
+  }
   if (!o.separate) {
     // One speed in both directions is one speed.
     Sliding speeds = sliding;
@@ -643,8 +670,7 @@ FrictionFit FitOf(const FrictionSamples& samples, const FrictionFitOptions& o, b
   }
   for (int i = 0; i < p; ++i)
     if (known.unknown[static_cast<std::size_t>(i)] && why[static_cast<std::size_t>(i)].empty())
-      mark(i, !both && o.offset ? "with one direction only, an offset is not told from coulomb"
-                                : "the velocities do not tell it from other parameters");
+      mark(i, "the velocities do not tell it from other parameters");
 
   if (without_stribeck) {
     // What is left is told by the model without it.
@@ -685,12 +711,13 @@ FrictionFit FitOf(const FrictionSamples& samples, const FrictionFitOptions& o, b
   if (!stribeck) AddBreakAway(fit, samples.break_away, o.separate);
 
   double rho = 0;
-  for (const double e : r) rho += InfluenceOf(o.loss, e / at.scale).rho;
+  for (const double e : r.head(fit.samples)) rho += InfluenceOf(o.loss, e / at.scale).rho;
   fit.aic = rho / fit.inefficiency + 2 * p;
-  fit.bic = rho / fit.inefficiency + p * std::log(static_cast<double>(r.size()) / fit.inefficiency);
+  fit.bic =
+      rho / fit.inefficiency + p * std::log(static_cast<double>(fit.samples) / fit.inefficiency);
   AddLackOfFit(fit, sliding, r);
   if (o.folds > 0 && fit.unidentified.empty())
-    fit.cross_validation = CrossValidation(shape, o, s, at);
+    fit.cross_validation = CrossValidation(shape, o, sliding, at);
   else if (o.folds > 0)
     fit.cross_validation = kNaN;
   return fit;
@@ -705,6 +732,16 @@ double NoiseOf(const VectorXd& samples) {
   return 1.4826 * MedianOf(std::move(bends)) / std::sqrt(6.0);
 }
 
+void RequireSound(const FrictionFitOptions& o) {
+  Require(o.least_velocity >= 0 && std::isfinite(o.least_velocity), "least_velocity must be ≥ 0",
+          o.least_velocity);
+  Require(o.folds == 0 || (o.folds >= 2 && o.folds <= 100), "folds must be 0 or from 2 to 100",
+          o.folds);
+  Require(o.scale >= 0 && std::isfinite(o.scale), "scale must be ≥ 0", o.scale);
+  Require(o.inefficiency >= 0 && std::isfinite(o.inefficiency), "inefficiency must be ≥ 0",
+          o.inefficiency);
+}
+
 double LeastVelocityOf(const FrictionSamples& samples, const FrictionFitOptions& options) {
   if (options.least_velocity > 0) return options.least_velocity;
   return std::max(0.005, 4 * NoiseOf(samples.velocity) / std::sqrt(2.0 * kHalfWindow + 1));
@@ -712,6 +749,14 @@ double LeastVelocityOf(const FrictionSamples& samples, const FrictionFitOptions&
 
 Index LeastSamplesOf(const FrictionFitOptions& o) {
   return 10 * Shape{o.model != FrictionModel::CoulombViscous, o.separate, o.offset}.size();
+}
+
+bool SlidingCount::both() const {
+  return positive >= kLeastInDirection && negative >= kLeastInDirection;
+}
+
+SlidingCount CountSliding(const FrictionSamples& samples, const FrictionFitOptions& options) {
+  return CountOf(SlidingOf(samples, options));
 }
 
 const FrictionEstimate* FrictionFit::Find(std::string_view name) const {
@@ -738,17 +783,24 @@ double FrictionFit::Curve(double velocity) const {
   return std::copysign(StribeckCurve(p, velocity), velocity) + p.viscous * velocity;
 }
 
+std::optional<FrictionFit::Mean> FrictionFit::MeanOf(const std::string& name) const {
+  double values = 0, squares = 0;
+  int count = 0;
+  for (const char* behind : {"", "_positive", "_negative"})
+    if (const FrictionEstimate* e = Find(name + behind)) {
+      values += e->value;
+      squares += e->deviation * e->deviation;
+      ++count;
+    }
+  if (count == 0) return std::nullopt;
+  return Mean{values / count, std::sqrt(squares) / count};
+}
+
 IdentifiedFriction FrictionFit::Identified(const std::string& joint) const {
   const auto mean = [&](const std::string& name) -> std::optional<double> {
-    double sum = 0;
-    int count = 0;
-    for (const char* behind : {"", "_positive", "_negative"})
-      if (const FrictionEstimate* e = Find(name + behind)) {
-        sum += e->value;
-        ++count;
-      }
-    if (count == 0 || sum < 0) return std::nullopt;
-    return sum / count;
+    const std::optional<Mean> of = MeanOf(name);
+    if (!of || of->value < 0) return std::nullopt;
+    return of->value;
   };
   IdentifiedFriction of{.joint = joint,
                         .coulomb = mean("coulomb"),
@@ -765,7 +817,8 @@ IdentifiedFriction FrictionFit::Identified(const std::string& joint) const {
 }
 
 FrictionFit FitFriction(const FrictionSamples& samples, const FrictionFitOptions& options) {
-  RequireSound(samples, options);
+  RequireSound(samples);
+  RequireSound(options);
   return FitOf(samples, options, options.model != FrictionModel::CoulombViscous);
 }
 

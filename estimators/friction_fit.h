@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -44,8 +45,8 @@ struct FrictionFitOptions {
   FrictionLoss loss = FrictionLoss::Cauchy;
   bool separate = false;  ///< parameters of their own for ω > 0 and ω < 0
   bool offset = false;    ///< b is estimated too
-  /// Slower samples do not slide [rad/s]; 0: 4 standard deviations of the noise of means of 11 ω,
-  /// as the differences of ω tell it, and at least 0.005 rad/s.
+  /// Slower samples do not slide [rad/s]; 0: 4 standard deviations of the noise of the mean that
+  /// replaces ω, as the differences of ω tell it, and at least 0.005 rad/s.
   double least_velocity = 0;
   int folds = 5;  ///< of the cross-validation; 0: none
   /// σ of the loss [N·m] and the inefficiency, to compare models on common terms; 0: estimated.
@@ -83,6 +84,11 @@ struct FrictionFit {
   /// Throws Error if it was not identified.
   const FrictionEstimate& operator[](std::string_view name) const;
   const FrictionEstimate* Find(std::string_view name) const;
+  /// "coulomb" and the like, of separate directions the mean; nothing if none was identified.
+  struct Mean {
+    double value, deviation;
+  };
+  std::optional<Mean> MeanOf(const std::string& name) const;
   /// ŷ(ω), without b; NaN if it cannot be told.
   double Curve(double velocity) const;
   /// For a file: of separate directions the means. A negative c, d or s is left out.
@@ -100,11 +106,14 @@ struct FrictionFit {
 /// with as many degrees as blocks beyond parameters; that of ω_s is symmetric in log ω_s.
 ///
 /// AIC and BIC are Σ ρ(r/σ)/I + 2p and + p log(N/I), with the inefficiency I. Folds of the
-/// cross-validation are made of contiguous blocks.
+/// cross-validation are made of contiguous blocks. All three count the samples that slide and not
+/// what broke away, so that models compare.
 ///
 /// A parameter is not identified if the Jacobian, its columns scaled to 1, has a singular value
 /// below 0.005 in whose direction it lies, if the velocities of a direction scatter hardly more
 /// than their noise, and s and ω_s if s − c is not significant or nothing slides slowly enough.
+/// With fewer than 20 samples that slide in a direction, neither its own parameters nor an offset
+/// are.
 ///
 /// Throws Error if there are not 10 samples for each parameter, or numbers that are not finite.
 ///
@@ -113,9 +122,22 @@ struct FrictionFit {
 /// 3, 1985.
 FrictionFit FitFriction(const FrictionSamples& samples, const FrictionFitOptions& options);
 
-/// What samples that slide must reach, and how many of them there must be.
+/// Throws Error if an option is out of its range.
+void RequireSound(const FrictionFitOptions& options);
+
+/// What a mean of 11 velocities must reach to slide, and how many samples must do so.
 double LeastVelocityOf(const FrictionSamples& samples, const FrictionFitOptions& options);
 Eigen::Index LeastSamplesOf(const FrictionFitOptions& options);
+
+/// How many samples slide.
+struct SlidingCount {
+  Eigen::Index positive = 0, negative = 0;
+
+  Eigen::Index all() const { return positive + negative; }
+  /// Enough in each direction to tell an offset from c.
+  bool both() const;
+};
+SlidingCount CountSliding(const FrictionSamples& samples, const FrictionFitOptions& options);
 
 /// CoulombViscous and Stribeck with the scale and inefficiency of the richer, so that AIC and BIC
 /// compare; the one of least BIC comes first.
@@ -129,5 +151,8 @@ FrictionSamples Pooled(const std::vector<FrictionSamples>& joints,
 /// The standard deviation of white noise on samples in a row that change slowly, from the median of
 /// their second differences.
 double NoiseOf(const Eigen::VectorXd& samples);
+
+/// The upper one of the two in the middle, if they are even in number; 0 of none.
+double MedianOf(std::vector<double> all);
 
 }  // namespace pliant

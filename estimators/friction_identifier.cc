@@ -37,6 +37,7 @@ FrictionIdentifier::FrictionIdentifier(const Options& o)
       memory_{this, "memory", o.joints, Empty(o.joints, o.capacity)} {
   Require(o.capacity >= 64 && o.capacity <= 65'536, "capacity must be from 64 to 65536",
           o.capacity);
+  RequireSound(o.fit);
   Every(o.period)
       .Compute(memory_)
       .From(velocity, motor_torque, torque, acceleration, trigger, gate)
@@ -74,25 +75,16 @@ void FrictionIdentifier::Solve(IdentifiedJoints& found, const Memory& m) const {
     FrictionSamples samples{.velocity = m.velocity.col(j).head(m.count),
                             .torque = m.torque.col(j).head(m.count)};
     found.Fields([&](const char*, PerJoint& each, const char*) { each(j) = 0; });
-    const auto slides = (samples.velocity.array().abs() >= LeastVelocityOf(samples, fit_)).count();
-    if (slides < LeastSamplesOf(fit_)) {
+    if (CountSliding(samples, fit_).all() < LeastSamplesOf(fit_)) {
       found.status(j) = static_cast<double>(FrictionStatus::TooFewSamples);
       continue;
     }
     const FrictionFit fit = FitFriction(samples, fit_);
     const auto put = [&](const char* name, PerJoint& value, PerJoint& error) {
-      // Of separate directions the mean.
-      double values = 0, squares = 0;
-      int count = 0;
-      for (const char* behind : {"", "_positive", "_negative"})
-        if (const FrictionEstimate* e = fit.Find(std::string(name) + behind)) {
-          values += e->value;
-          squares += e->deviation * e->deviation;
-          ++count;
-        }
-      if (count == 0) return;
-      value(j) = values / count;
-      error(j) = std::sqrt(squares) / count;
+      if (const auto mean = fit.MeanOf(name)) {
+        value(j) = mean->value;
+        error(j) = mean->deviation;
+      }
     };
     put("coulomb", found.coulomb, found.coulomb_error);
     put("viscous", found.viscous, found.viscous_error);

@@ -271,6 +271,46 @@ TEST(FrictionFit, NamesAnOffsetThatOneDirectionDoesNotTell) {
   EXPECT_NEAR(fit["viscous"].value, 2.416, 5 * fit["viscous"].deviation);
 }
 
+/// A second of rest, then a sweep in one direction, with noise of 0.01 rad/s on the velocity.
+FrictionSamples OneWayAfterRest(unsigned seed) {
+  VectorXd v(4000);
+  for (Index k = 0; k < v.size(); ++k)
+    v(k) = k < 1000 ? 0 : 0.6 - 0.55 * std::cos(2 * 3.14159265358979 * 1e-3 * (k - 1000.0));
+  FrictionSamples samples = Noisy(Truth(false), v, 0.1, seed);
+  std::mt19937 random(seed + 1);
+  std::normal_distribution<double> normal;
+  for (double& x : samples.torque.head(1000)) x = 0.1 * normal(random);
+  for (double& x : samples.velocity) x += 0.01 * normal(random);
+  return samples;
+}
+
+TEST(FrictionFit, NoiseAtRestIsNoSecondDirection) {
+  for (unsigned seed = 30; seed < 50; ++seed) {
+    const FrictionSamples samples = OneWayAfterRest(seed);
+    const FrictionFit with = FitFriction(samples, {.offset = true, .folds = 0});
+    EXPECT_FALSE(with.Find("coulomb")) << seed;
+    EXPECT_FALSE(with.Find("offset")) << seed;
+    const FrictionFit without = FitFriction(samples, {.folds = 0});
+    EXPECT_NEAR(without["coulomb"].value, 3, 5 * without["coulomb"].deviation) << seed;
+    EXPECT_LE(without.samples, 3010) << seed;
+  }
+}
+
+TEST(FrictionFit, AFewSamplesAreNoSecondDirection) {
+  FrictionSamples samples = Noisy(Truth(false), Staircase(100).cwiseAbs(), 0.15, 51, 0.3);
+  for (int k = 0; k < 19; ++k) {
+    samples.velocity(1000 + k) *= -1;
+    samples.torque(1000 + k) *= -1;
+  }
+  const FrictionFit fit = FitFriction(samples, {.offset = true, .least_velocity = 0.01});
+  EXPECT_FALSE(fit.Find("coulomb"));
+  const FrictionFit each = FitFriction(samples, {.separate = true, .least_velocity = 0.01});
+  EXPECT_FALSE(each.Find("coulomb_negative"));
+  EXPECT_EQ(ErrorOf([&] { each["coulomb_negative"]; }),
+            "'coulomb_negative' was not identified: only 19 samples slide in the negative "
+            "direction, it needs 20");
+}
+
 TEST(FrictionFit, NamesADirectionInWhichNothingMoves) {
   const FrictionFit fit = FitFriction(Noisy(Truth(false), Staircase(100).cwiseAbs(), 0.15, 10),
                                       {.separate = true, .least_velocity = 0.01});
@@ -288,6 +328,28 @@ TEST(FrictionFit, TakesStictionFromWhatBrokeAway) {
   EXPECT_DOUBLE_EQ(fit["stiction"].value, 3.5);
   // √(Σ (y − 3.5)²/(4·3)) = √(0.02/12)
   EXPECT_NEAR(fit["stiction"].deviation, std::sqrt(0.02 / 12), 1e-12);
+}
+
+TEST(FrictionFit, IntervalsOfTwoThatBrokeAwayHoldTheTruthAsOftenAsTheySay) {
+  FrictionSamples samples = Noisy(Truth(false), Staircase(20), 0.15, 52);
+  std::mt19937 random(53);
+  std::normal_distribution<double> normal;
+  for (const int n : {2, 3}) {
+    int covered = 0;
+    for (int i = 0; i < 200; ++i) {
+      samples.break_away = VectorXd(n);
+      for (double& y : samples.break_away) y = 3.5 + 0.1 * normal(random);
+      const FrictionFit fit = FitFriction(samples, {.least_velocity = 0.01, .folds = 0});
+      covered += fit["stiction"].low <= 3.5 && 3.5 <= fit["stiction"].high;
+    }
+    // A binomial of 200 at 0.95 is below 180 or above 199 once in 500 times.
+    EXPECT_GE(covered, 180) << n;
+    EXPECT_LE(covered, 199) << n;
+  }
+  // t of one degree is tan(0.475 π).
+  samples.break_away = Eigen::Vector2d(3.4, 3.6);
+  const FrictionFit fit = FitFriction(samples, {.least_velocity = 0.01, .folds = 0});
+  EXPECT_NEAR(fit["stiction"].high - 3.5, 12.7062 * 0.1, 1e-4);
 }
 
 TEST(FrictionFit, SlowSamplesDoNotSlide) {
@@ -355,6 +417,24 @@ TEST(CompareFriction, PrefersTheModelThatIsTrue) {
   };
   EXPECT_EQ(best(false), FrictionModel::CoulombViscous);
   EXPECT_EQ(best(true), FrictionModel::Stribeck);
+}
+
+TEST(CompareFriction, CountsTheSameSamplesForEachModel) {
+  // Joints broke away at levels that scatter widely; only the law with stiction is fitted to them.
+  FrictionSamples samples = Noisy(Truth(true), Staircase(20, 0.1), 0.15, 54);
+  const auto gain = [&] {
+    const std::vector<FrictionFit> fits =
+        CompareFriction(samples, {.least_velocity = 0.01, .scale = 0.15, .inefficiency = 1});
+    EXPECT_EQ(fits[0].options.model, FrictionModel::Stribeck);
+    return fits[1].bic - fits[0].bic;
+  };
+  const double without = gain();
+  std::mt19937 random(55);
+  std::normal_distribution<double> normal;
+  samples.break_away = VectorXd(400);
+  for (double& y : samples.break_away) y = 4.5 + normal(random);
+  // They hardly move the curve, whose s is known to 0.05 N·m.
+  EXPECT_NEAR(gain(), without, 0.2 * without);
 }
 
 TEST(FrictionFit, HoldsOutBlocksToValidate) {

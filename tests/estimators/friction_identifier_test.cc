@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
 #include "pliant/systems/block_tester.h"
 #include "pliant/tests/support/block_laws.h"
@@ -94,6 +95,27 @@ TEST(FrictionIdentifier, SaysThatOneSpeedDoesNotTell) {
   EXPECT_EQ(t.Get(t->friction).coulomb(0), 0);
 }
 
+TEST(FrictionIdentifier, SaysThatNoiseAtRestDoesNotSlide) {
+  FrictionIdentifier::Options o = Options();
+  for (const double least : {0.0, 0.01}) {
+    o.fit.least_velocity = least;
+    BlockTester<FrictionIdentifier> t(o);
+    t.Set(t->trigger, false);
+    t.Set(t->torque, {0.0, 0.0});
+    t.Set(t->motor_torque, {0.0, 0.0});
+    std::mt19937 random(1);
+    std::normal_distribution<double> normal;
+    for (int k = 0; k < 500; ++k) {
+      t.Set(t->velocity, {0.01 * normal(random), 0.01 * normal(random)});
+      t.Tick();
+    }
+    t.Set(t->trigger, true);
+    t.Tick();
+    EXPECT_EQ(t.Get(t->friction).status(0), static_cast<double>(FrictionStatus::TooFewSamples));
+    EXPECT_EQ(t.Get(t->friction).coulomb(0), 0);
+  }
+}
+
 TEST(FrictionIdentifier, ObeysTheLawsOfBlocks) {
   BlockTester<FrictionIdentifier> t(Options());
   ExpectBlockLaws(std::move(t), {.steps = 2000});
@@ -124,6 +146,13 @@ TEST(FrictionIdentifier, RefusesNoRoomForSamples) {
   o.reflected_inertia = PerJoint{{-1.0, 0.0}};
   EXPECT_EQ(ErrorOf([&] { FrictionIdentifier identifier(o); }),
             "reflected_inertia[shoulder] must be >= 0 kg·m², got -1");
+  o = Options();
+  o.fit.folds = 1;
+  EXPECT_EQ(ErrorOf([&] { FrictionIdentifier identifier(o); }),
+            "folds must be 0 or from 2 to 100, got 1");
+  o.fit = {.least_velocity = -0.1};
+  EXPECT_EQ(ErrorOf([&] { FrictionIdentifier identifier(o); }),
+            "least_velocity must be ≥ 0, got -0.1");
 }
 
 }  // namespace
