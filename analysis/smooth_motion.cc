@@ -12,18 +12,21 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-/// The samples of one file that are no repetition: their columns.
+/// The samples of one file that are no stale repetition: their columns.
 std::vector<Index> Fresh(const Samples& x, Index from, Index to, double repeat_s) {
+  const auto same = [&](Index a, Index b) {
+    return x.position.col(a) == x.position.col(b) && x.velocity.col(a) == x.velocity.col(b) &&
+           x.torque.col(a) == x.torque.col(b);
+  };
   std::vector<Index> fresh;
-  for (Index k = from; k < to; ++k) {
-    if (!fresh.empty()) {
-      const Index last = fresh.back();
-      const bool same = x.position.col(k) == x.position.col(last) &&
-                        x.velocity.col(k) == x.velocity.col(last) &&
-                        x.torque.col(k) == x.torque.col(last);
-      if (x.time[k] <= x.time[last] || (same && x.time[k] - x.time[last] < repeat_s)) continue;
-    }
-    fresh.push_back(k);
+  for (Index k = from; k < to;) {
+    // [k, end) repeats row k.
+    Index end = k + 1;
+    while (end < to && same(k, end)) ++end;
+    const bool rests = x.time[end - 1] - x.time[k] >= repeat_s;
+    for (const Index keep = rests ? end : k + 1; k < keep; ++k)
+      if (fresh.empty() || x.time[k] > x.time[fresh.back()]) fresh.push_back(k);
+    k = end;
   }
   return fresh;
 }
@@ -37,6 +40,16 @@ bool Surrounded(const Samples& x, std::span<const Index> window, double t, doubl
   for (std::size_t i = 1; i < window.size(); ++i)
     if (x.time[window[i]] - x.time[window[i - 1]] > h) return false;
   return true;
+}
+
+/// The median time from row to row.
+double PeriodOf(const Samples& x, Index from, Index to) {
+  std::vector<double> steps;
+  for (Index k = from + 1; k < to; ++k) steps.push_back(x.time[k] - x.time[k - 1]);
+  if (steps.empty()) return 0;
+  const auto middle = steps.begin() + std::ssize(steps) / 2;
+  std::ranges::nth_element(steps, middle);
+  return *middle;
 }
 
 }  // namespace
@@ -55,6 +68,12 @@ SmoothMotion Smooth(const Samples& x, const SmoothingOptions& o) {
     const std::vector<Index> fresh = Fresh(x, x.begin[file], to, o.repeat_s);
     motion.repeated += to - x.begin[file] - std::ssize(fresh);
     if (fresh.empty()) continue;
+    // Stamps are not exact. Where a window has no six rows there are no points, too many or not.
+    const double period = PeriodOf(x, x.begin[file], to);
+    Require(o.step_s > 0.99 * period || 5 * period > o.window_s,
+            "the step must be >= the time from row to row, " + Text(period) +
+                " s: points between rows say nothing new",
+            o.step_s);
     const double start = x.time[fresh.front()] + h;
     auto first = fresh.begin(), last = fresh.begin();
     for (Index i = 0;; ++i) {

@@ -10,8 +10,8 @@ namespace pliant {
 /// How motion and torque are smoothed before anything is fitted to them.
 struct SmoothingOptions {
   double window_s = 0.1;   ///< 2 h, width of the window
-  double step_s = 0.025;   ///< between points
-  double repeat_s = 0.02;  ///< rows that repeat the one before are dropped for so long
+  double step_s = 0.025;   ///< between points, no less than between rows
+  double repeat_s = 0.02;  ///< from here on rows that repeat the one before are no stale ones
 };
 
 /// Positions, velocities, accelerations and torques that belong together: a row for each joint, a
@@ -37,10 +37,11 @@ struct SmoothMotion {
 /// σ √(75/(8 f h³)).
 ///
 /// Stamps need no regular spacing. A row that repeats the numbers of the one before is stale and
-/// dropped, unless that lasts longer than `repeat_s`: then the arm rests. A point needs six samples
+/// dropped, unless that lasts `repeat_s` or longer: then the arm rests and every row counts. A point needs six samples
 /// about it, a third of them on either side, and no hole wider than h among them.
 ///
-/// `samples` must have position, velocity and torque. Throws Error if no point is left.
+/// `samples` must have position, velocity and torque. Throws Error if no point is left, or if the
+/// step is less than the median time from row to row.
 ///
 /// Source: Savitzky & Golay, Analytical Chemistry 36(8), 1964.
 SmoothMotion Smooth(const Samples& samples, const SmoothingOptions& o = {});

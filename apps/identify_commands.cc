@@ -11,6 +11,7 @@
 #include "pliant/analysis/friction_report.h"
 #include "pliant/analysis/sample_source.h"
 #include "pliant/apps/commands.h"
+#include "pliant/apps/sample_column_options.h"
 #include "pliant/apps/says_something.h"
 #include "pliant/plants/robot_model.h"
 #include "pliant/plants/shared_file.h"
@@ -223,15 +224,6 @@ int IdentifyFriction(Told told) {
   std::printf("report: %s\n",
               (fs::absolute(told.report) / "report.html").lexically_normal().c_str());
   return 0;
-}
-
-void AddColumns(CLI::App& app, SampleColumns& columns, const std::string& name,
-                const std::string& what, const std::string& unit) {
-  app.add_option("--" + name, columns.names, what)
-      ->check(SaysSomething())
-      ->delimiter(',')
-      ->allow_extra_args(false);
-  app.add_option("--" + name + "-unit", columns.unit, "its unit, such as " + unit);
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "pliant/analysis/dynamics_report.h"
 #include "pliant/analysis/sample_source.h"
 #include "pliant/apps/commands.h"
+#include "pliant/apps/sample_column_options.h"
 #include "pliant/apps/says_something.h"
 #include "pliant/diagrams/scenario.h"
 
@@ -37,10 +38,33 @@ fs::path UrdfOf(const Told& told) {
   return UrdfOf(scenario);
 }
 
-void RefuseToOverwrite(const Told& told) {
-  const fs::path page = told.report / "report.html";
-  if (std::error_code unknown; !told.report.empty() && !told.force && fs::exists(page, unknown))
-    throw Error(page.string() + " exists; give --force to write over it, or another --report");
+/// Before a long read, not after it.
+void RequireNewReport(const Told& told) {
+  if (told.report.empty()) return;
+  if (std::error_code none; fs::exists(told.report, none) && !fs::is_directory(told.report, none))
+    throw Error("--report wants a folder, and " + told.report.string() + " is none");
+  for (const char* name : {"report.html", "verdict.json"})
+    if (std::error_code none; !told.force && fs::exists(told.report / name, none))
+      throw Error((told.report / name).string() +
+                  " exists; give --force to write over it, or another --report");
+  try {
+    RequireGnuplot();
+  } catch (const Error& e) {
+    throw CannotGoOn(e.what());
+  }
+}
+
+/// A log with names of joints has those of the robot; where it has none they are numbered.
+void RequireJointsOf(const RobotModel& model, const Samples& samples, const std::string& log) {
+  for (int j = 0; j < model.size(); ++j) {
+    const std::string& found = samples.joints[static_cast<std::size_t>(j)];
+    const std::string& expected = model.joint(j).name;
+    if (found != expected && found != "joint_" + std::to_string(j + 1))
+      throw Error(log + ": expected joint '" + expected + "' of robot \"" + model.name() +
+                  "\", found '" + found +
+                  "'; give the robot of the log, or with --joints those "
+                  "joints of the log that are the robot's, in its order");
+  }
 }
 
 /// The columns of the log for the joints of the robot, in its order, unless --joints names some.
@@ -52,6 +76,7 @@ Samples Read(const Told& told, const std::vector<fs::path>& files, const RobotMo
     throw Error(files.front().string() + ": expected " + Text(model.size()) +
                 " joints, those of robot \"" + model.name() + "\", found " +
                 Text(samples.joints.size()) + "; name them with --joints, in the robot's order");
+  if (source.joints.empty()) RequireJointsOf(model, samples, files.front().string());
   return samples;
 }
 
@@ -61,7 +86,7 @@ int Identify(Told told) {
     (term == "coulomb" ? terms.coulomb : term == "viscous" ? terms.viscous : terms.offset) = false;
   }
   if (!told.out.empty()) RequireIdentifiedFile(told.out, !told.options.payload.empty(), told.force);
-  RefuseToOverwrite(told);
+  RequireNewReport(told);
   const fs::path urdf = UrdfOf(told);
   const RobotModel model = RobotModel::FromUrdf(urdf);
   const Samples samples = Read(told, told.source.files, model);
@@ -83,12 +108,6 @@ int Identify(Told told) {
     throw CannotGoOn(e.what());
   }
   return 0;
-}
-
-void AddColumns(CLI::App& app, SampleColumns& columns, const std::string& name,
-                const std::string& what, const std::string& unit) {
-  app.add_option("--" + name, columns.names, what)->check(SaysSomething())->delimiter(',');
-  app.add_option("--" + name + "-unit", columns.unit, "its unit, such as " + unit);
 }
 
 }  // namespace
@@ -116,8 +135,11 @@ void AddIdentifyDynamics(CLI::App& app, std::vector<Command>& commands) {
   command->add_option("--urdf", told->urdf, "instead: a URDF file");
   command->add_option("--payload", told->options.payload, "link of a body to be found");
   command->add_option("--links", told->options.links, "to be found; none: all that move")
-      ->delimiter(',');
-  command->add_option("--validate", told->validation, "logs to hold the result against");
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  command->add_option("--validate", told->validation, "logs to hold the result against")
+      ->delimiter(',')
+      ->allow_extra_args(false);
   command->add_option("--out", told->out, "a .yaml for a payload, or a .urdf")
       ->check(SaysSomething());
   command->add_option("--report", told->report, "folder of a page with tables and a figure")
@@ -131,22 +153,28 @@ void AddIdentifyDynamics(CLI::App& app, std::vector<Command>& commands) {
   command
       ->add_option("--joints", told->source.joints,
                    "names or numbers, in the robot's order; none: all")
-      ->delimiter(',');
+      ->delimiter(',')
+      ->allow_extra_args(false);
   command
       ->add_option("--sample-period", told->source.sample_period_s,
                    "seconds from row to row, if there is no time")
       ->check(CLI::PositiveNumber);
   command->add_option("--window", told->options.smoothing.window_s, "of the smoothing [s]")
+      ->check(CLI::Range(1e-4, 1e3))
       ->capture_default_str();
   command->add_option("--step", told->options.smoothing.step_s, "between the points fitted [s]")
+      ->check(CLI::Range(1e-4, 1e3))
       ->capture_default_str();
   command->add_option("--without", told->without, "joint terms that are left out")
-      ->check(CLI::IsMember({"coulomb", "viscous", "offset"}));
+      ->check(CLI::IsMember({"coulomb", "viscous", "offset"}))
+      ->delimiter(',')
+      ->allow_extra_args(false);
   command->add_flag("--rotor", told->options.terms.rotor, "fit the inertia of rotors along");
   command->add_flag("--robust", told->options.robust, "Huber's weights, for logs with contacts");
   command
       ->add_option("--prior-deviation", told->options.prior_deviation,
-                   "of the model's figures: 1 is a factor of about 1.6")
+                   "of the model's figures: 1 is a factor of about e = 2.7")
+      ->check(CLI::Range(1e-6, 1e6))
       ->capture_default_str();
   commands.push_back({command, [told] { return Identify(*told); }});
 }

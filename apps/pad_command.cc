@@ -2,12 +2,12 @@
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "pliant/analysis/write_file.h"
 #include "pliant/apps/commands.h"
 #include "pliant/apps/pad_device.h"
 #include "pliant/apps/says_something.h"
@@ -28,18 +28,18 @@ struct Told {
 };
 
 void Write(const fs::path& file, const std::vector<PadEvent>& events) {
-  std::ofstream out(file, std::ios::trunc);
-  out << (events.empty() ? "events: []\n" : "events:\n");
-  for (const PadEvent& event : events) out << "  - " << LineOf(event) << '\n';
-  out.close();
-  if (!out) throw CannotGoOn(file.string() + ": cannot be written");
+  std::string text = events.empty() ? "events: []\n" : "events:\n";
+  for (const PadEvent& event : events) text += "  - " + LineOf(event) + '\n';
+  try {
+    internal::WriteFile(file, text);
+  } catch (const Error& e) {
+    throw CannotGoOn(e.what());
+  }
 }
 
 int Watch(const Told& told) {
   using namespace std::chrono;
-  if (!told.record.empty())
-    Require(told.force || !fs::exists(told.record),
-            told.record.string() + " is there already; --force writes over it");
+  if (!told.record.empty()) internal::RequireNewFile(told.record, told.force);
   const StopSignals signals;
   const PadDevice device;
   const auto began = steady_clock::now();

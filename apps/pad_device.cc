@@ -17,6 +17,9 @@ namespace {
 
 constexpr unsigned kConnectedBit = 16, kStampBit = 17;
 
+/// SDL's state is the program's: two threads would pump the same events.
+std::atomic<bool> there_is_one{false};
+
 struct Close {
   void operator()(SDL_GameController* pad) const { SDL_GameControllerClose(pad); }
 };
@@ -59,9 +62,11 @@ std::string Start() {
 }  // namespace
 
 PadDevice::PadDevice() {
+  Require(!there_is_one.exchange(true),
+          "game controllers are asked by one PadDevice at a time; there is one already");
   std::promise<std::string> started;
   std::future<std::string> fault = started.get_future();
-  thread_ = std::thread([this, &started] {
+  thread_ = std::thread([this, started = std::move(started)]() mutable {
     const std::string error = Start();
     started.set_value(error);
     if (error.empty()) Ask();
@@ -70,12 +75,14 @@ PadDevice::PadDevice() {
   const std::string error = fault.get();
   if (error.empty()) return;
   thread_.join();
+  there_is_one = false;
   throw Error("game controllers cannot be asked: " + error);
 }
 
 PadDevice::~PadDevice() {
   stop_ = true;
   thread_.join();
+  there_is_one = false;
 }
 
 void PadDevice::Ask() {

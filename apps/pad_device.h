@@ -12,7 +12,7 @@ namespace pliant {
 /// missing or unplugged is not connected; one that is plugged in later is found. One at a time.
 class PadDevice {
  public:
-  /// Throws Error if game controllers cannot be asked at all.
+  /// Throws Error if game controllers cannot be asked at all, or if there is a PadDevice.
   PadDevice();
   ~PadDevice();
   PadDevice(const PadDevice&) = delete;

@@ -16,6 +16,7 @@ ControlSupervisor::ControlSupervisor(const Options& o)
       follow{this, "follow"},
       posture{this, "posture", o.joints},
       settings_{o.settings},
+      continuous_{o.continuous},
       alpha_{1 - std::exp(-2 * std::numbers::pi * o.settings.filter_hz * seconds(o.period))},
       memory_{this,
               "memory",
@@ -37,6 +38,13 @@ ControlSupervisor::ControlSupervisor(const Options& o)
   Compute(posture).From(memory_).As([](const Memory& m) { return m.posture; });
 }
 
+bool ControlSupervisor::IsAt(const JointPosition& r, const JointPosition& q) const {
+  PerJoint e = r - q;
+  for (Eigen::Index j = 0; j < e.size(); ++j)
+    if (continuous_ >> j & 1) e(j) = std::remainder(e(j), 2 * std::numbers::pi);
+  return e.norm() < settings_.tracked_within;
+}
+
 ControlSupervisor::Memory ControlSupervisor::Next(const Memory& last, ArmControl asked,
                                                   const JointPosition& r, const JointPosition& q,
                                                   const JointVelocity& v) const {
@@ -44,8 +52,7 @@ ControlSupervisor::Memory ControlSupervisor::Next(const Memory& last, ArmControl
   m.velocity += alpha_ * (v - last.velocity);
   if (!m.velocity.allFinite()) m.velocity = v;
   if (asked != ArmControl::Position) {
-    if (last.control != ArmControl::Position || (r - q).norm() < settings_.tracked_within)
-      m.control = asked;
+    if (last.control != ArmControl::Position || IsAt(r, q)) m.control = asked;
     m.braking = false;
   } else if (last.control != ArmControl::Position) {
     if (!last.braking) m.posture = q;

@@ -15,8 +15,9 @@ namespace pliant {
 ///       └────────── braking ◀──────────┘ │ torque is wanted again
 ///         ‖q̇‖ < v_rest  └────────────────┘
 ///
-/// r is the reference of the position, q̇ the measured velocity through a low-pass of `filter_hz`:
-/// the noise of sensors alone would be some 0.01 rad/s. While it brakes, and after that, the
+/// r is the reference of the position; whole turns of joints without limits do not count. q̇ is the
+/// measured velocity through a low-pass of `filter_hz`: the noise of sensors alone would be some
+/// 0.01 rad/s. While it brakes, and after that, the
 /// posture is to be what it was when braking began; before, `start`. A velocity that is no number
 /// is none of an arm at rest.
 /// Source: Muraccioli et al. 2025 (RSS), the finite-state machine of their demonstration.
@@ -39,7 +40,8 @@ class ControlSupervisor final : public Block {
     JointPosition start;                            ///< the posture at first [rad]
     ArmControl first = ArmControl::ProposedTorque;  ///< what moves the arm at first
     Settings settings = {};
-    Duration period = 1ms;  ///< h
+    JointBits continuous = 0;  ///< joints without limits of the position
+    Duration period = 1ms;     ///< h
   };
 
   /// What it remembers from one tick to the next.
@@ -74,7 +76,10 @@ class ControlSupervisor final : public Block {
   Memory Next(const Memory& last, ArmControl wanted, const JointPosition& r, const JointPosition& q,
               const JointVelocity& v) const;
 
+  bool IsAt(const JointPosition& r, const JointPosition& q) const;
+
   const Settings settings_;
+  const JointBits continuous_;
   const double alpha_;
   Output<Memory> memory_;
 };

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 
 #include "pliant/controllers/arm_control.h"
 #include "pliant/plants/arm_status.h"
@@ -15,14 +16,16 @@ namespace pliant {
 ///
 ///   i = i_loop + (1 − t/T) (i_0 − i_loop(0)),   t = 0 … T
 ///
-/// i_0 is the command of the tick before, or after position control the measured current. Under
-/// position control the measured current is passed on.
+/// i_0 is the command of the tick before, or after position control the measured current. The sum
+/// is cut at ± i_max. Under position control the measured current is passed on. Where a difference
+/// at a change is no number the joint does without a fade.
 class CurrentFade final : public Block {
  public:
   struct Options {
     Joints joints;
-    double change_s = 0.5;  ///< T > 0
-    Duration period;        ///< h
+    double change_s = 0.5;            ///< T > 0
+    MotorCurrent current_limit = {};  ///< i_max [A], each > 0; empty: none
+    Duration period;                  ///< h
   };
 
   explicit CurrentFade(const Options& o)
@@ -35,22 +38,26 @@ class CurrentFade final : public Block {
         current{this, "current", o.joints},
         saturated{this, "saturated"},
         part_{seconds(o.period) / o.change_s},
+        i_max_{o.current_limit.size() > 0
+                   ? PerJoint(o.current_limit)
+                   : PerJoint(PerJoint::Constant(o.joints.size(), kUnbounded))},
         memory_{
             this,
             "memory",
             {},
             {.current = MotorCurrent::Zero(o.joints), .difference = MotorCurrent::Zero(o.joints)}} {
     RequireInRange("", "change_s", o.change_s, "s", kPositive);
+    RequireEachInRange("current_limit", i_max_, "A", kLimit, o.joints);
     Every(o.period)
         .Compute(memory_)
         .From(memory_, control, kinova, proposed, measured_current)
         .As(&CurrentFade::Next);
     Compute(current).From(memory_).As([](const Memory& m) { return m.current; });
     Compute(saturated)
-        .From(control, kinova_saturated, proposed_saturated)
-        .As([](ArmControl c, JointBits of_kinova, JointBits of_proposed) {
-          return c == ArmControl::KinovaTorque     ? of_kinova
-                 : c == ArmControl::ProposedTorque ? of_proposed
+        .From(memory_, control, kinova_saturated, proposed_saturated)
+        .As([](const Memory& m, ArmControl c, JointBits of_kinova, JointBits of_proposed) {
+          return c == ArmControl::KinovaTorque     ? of_kinova | m.cut
+                 : c == ArmControl::ProposedTorque ? of_proposed | m.cut
                                                    : JointBits{0};
         });
   }
@@ -60,7 +67,7 @@ class CurrentFade final : public Block {
   Input<JointBits> kinova_saturated, proposed_saturated;
   Input<MotorCurrent> measured_current;
   Output<MotorCurrent> current;  ///< i
-  Output<JointBits> saturated;   ///< joints whose current the loop cuts
+  Output<JointBits> saturated;   ///< joints whose current is cut, of the loop or of the sum
 
  private:
   struct Memory {
@@ -68,6 +75,7 @@ class CurrentFade final : public Block {
     bool started = false;
     double left = 0;  // 1 − t/T
     MotorCurrent current, difference;
+    JointBits cut = 0;
 
     template <class Visitor>
     void Fields(Visitor&& f) {
@@ -76,6 +84,7 @@ class CurrentFade final : public Block {
       f("left", left, "");
       f("current", current, "A");
       f("difference", difference, "A");
+      f("cut", cut, "");
     }
   };
 
@@ -84,6 +93,7 @@ class CurrentFade final : public Block {
     Memory m = last;
     m.control = now;
     m.started = true;
+    m.cut = 0;
     if (now == ArmControl::Position) {
       m.left = 0;
       m.current = measured;
@@ -94,14 +104,24 @@ class CurrentFade final : public Block {
       m.left = 1;
       m.difference =
           (last.control == ArmControl::Position ? measured : last.current) - PerJoint(loop);
+      for (double& x : m.difference)
+        if (!std::isfinite(x)) x = 0;
     } else {
       m.left = std::max(0.0, last.left - part_);
     }
-    m.current = loop + m.left * m.difference;
+    if (m.left == 0) {
+      m.current = loop;
+      return m;
+    }
+    const PerJoint sum = loop + m.left * m.difference;
+    for (Eigen::Index j = 0; j < sum.size(); ++j)
+      if (std::abs(sum(j)) > i_max_(j)) m.cut |= JointBits{1} << j;
+    m.current = sum.cwiseMin(i_max_).cwiseMax(-i_max_);
     return m;
   }
 
   const double part_;
+  const PerJoint i_max_;
   Output<Memory> memory_;
 };
 

@@ -67,6 +67,9 @@ FrictionExcitation::FrictionExcitation(const Options& o)
       state_{this, "state", {}, AtRest(o)} {
   const Joints& all = o.model.joints();
   RequireInRange("", o.test);
+  Require(o.test.velocity_limit > o.test.speed,
+          "velocity_limit must be > speed = " + Text(o.test.speed) + ", which is reached",
+          o.test.velocity_limit);
   RequireEachInRange("start", o.start, "rad", kAnyNumber, all);
   RequireEachInRange("torque_per_ampere", o.torque_per_ampere, "N·m/A", kPositive, all);
   RequireEachInRange("coulomb", o.coulomb, "N·m", kPositive, all);
@@ -211,6 +214,7 @@ void FrictionExcitation::Advance(State& s, const JointPosition& q, const JointVe
   const FrictionTest& t = o_.test;
   const int j = s.report.joint;
   const int way = s.part % 2 == 0 ? 1 : -1;
+  if (s.report.phase == FrictionPhase::Done || s.report.phase == FrictionPhase::Stopped) return;
   ++s.joint_ticks;
   ++s.all_ticks;
   ++s.ticks;

@@ -70,7 +70,7 @@ struct FrictionTest {
   /// resonance of elastic gears, which is at 260 rad/s of the Gen3's shoulder with its arm
   /// stretched.
   double bandwidth = 8;
-  double velocity_limit = 1;        ///< stops, as a part of the joint's limit
+  double velocity_limit = 1;        ///< stops, as a part of the joint's limit, > speed
   double position_tolerance = 0.1;  ///< stops, off the reference or beyond a bound [rad]
   double temperature_limit = 60;    ///< stops [°C]
   double joint_time_limit_s = 120;  ///< stops, of one joint
@@ -89,7 +89,7 @@ struct FrictionTest {
     f("ramp_s", ramp_s, "s", kPositive);
     f("break_angle", break_angle, "rad", kPositive);
     f("bandwidth", bandwidth, "1/s", kPositive);
-    f("velocity_limit", velocity_limit, "", kPositive);
+    f("velocity_limit", velocity_limit, "", Between(0.01, 1));
     f("position_tolerance", position_tolerance, "rad", kPositive);
     f("temperature_limit", temperature_limit, "°C", kPositive);
     f("joint_time_limit_s", joint_time_limit_s, "s", kPositive);
@@ -100,15 +100,16 @@ struct FrictionTest {
 /// Motor currents that show the friction of one joint after the other, every h. With κ the torque
 /// per ampere behind the gear and i = τ_m/κ, the joint under test gets
 ///
-///   BreakAway   τ_m = g ± ĉ t/ramp_s             until it turns by break_angle, at τ_b
-///   Staircase   τ_m = g ± (τ_b + d̂ v_k)          v_k = k v_max/N, k = 1, 2, … until v_max is
-///   reached Sweep       r goes to and fro at v_k
+///   BreakAway   τ_m = g ± ĉ t/ramp_s       until it turns by break_angle, at τ_b
+///   Staircase   τ_m = g ± (τ_b + d̂ v_k)    v_k = k v_max/N, k = 1, 2, … until v_max is reached
+///   Sweep       r goes to and fro at v_k
 ///
 /// the second if it has no position limits, the third, between bounds, if it has some. In a sweep,
 /// on the way back and while others are tested a joint follows its reference r:
 ///
-///   τ_m = (M + B) a + C q̇ + g + ĉ tanh(ṙ/v₀) + d̂ ṙ,   a = r̈ + 3 p ė + 3 p² e + p³ ∫e dt,   e = r −
-///   q
+///   τ_m = (M + B) a + C q̇ + g + ĉ tanh(ṙ/v₀) + d̂ ṙ
+///   a = r̈ + 3 p ė + 3 p² e + p³ ∫e dt
+///   e = r − q
 ///
 /// ĉ, d̂ are the friction that is assumed: τ_b is measured, each way by itself, so ĉ sets the pace
 /// of the ramps only, and a wrong d̂ makes more or fewer steps. References keep to the acceleration;

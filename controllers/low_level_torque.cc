@@ -4,7 +4,9 @@
 #include "pliant/controllers/torque_to_current.h"
 #include "pliant/plants/kinova_lag.h"
 #include "pliant/systems/discrete_transfer_function.h"
+#include "pliant/systems/gain.h"
 #include "pliant/systems/leaky_integrator.h"
+#include "pliant/systems/sum.h"
 
 namespace pliant {
 
@@ -33,40 +35,10 @@ class Room final : public Block {
   Output<JointTorque> left;
 };
 
-/// τ_m = τ_d + τ_f + λ y + l
-class MotorTorque final : public Block {
- public:
-  struct Options {
-    Joints joints;
-    double lag_gain;
-  };
-
-  explicit MotorTorque(const Options& o)
-      : wanted{this, "wanted", o.joints},
-        friction{this, "friction", o.joints},
-        lag{this, "lag", o.joints},
-        leak{this, "leak", o.joints},
-        torque{this, "torque", o.joints},
-        lambda_{o.lag_gain} {
-    RequireInRange("", "lag_gain", lambda_, "", kNotNegative);
-    Compute(torque).From(wanted, friction, lag, leak).As(&MotorTorque::Sum);
-  }
-
-  Input<JointTorque> wanted, friction, lag, leak;
-  Output<JointTorque> torque;
-
- private:
-  JointTorque Sum(const JointTorque& tau_d, const JointTorque& tau_f, const JointTorque& y,
-                  const JointTorque& l) const {
-    return tau_d + tau_f + lambda_ * y + l;
-  }
-
-  const double lambda_;
-};
-
 }  // namespace
 
 LowLevelTorque::LowLevelTorque(const Options& o) : TorqueLoop{o.joints} {
+  RequireInRange("", "lag_gain", o.lag_gain, "", kNotNegative);
   RequireInRange("", "leak_gain", o.leak_gain, "", kNotNegative);
   RequireInRange("", "leak_time_s", o.leak_time_s, "s", kPositive);
   RequireEachInRange("leak_limit", o.leak_limit, "N·m", Range{.least = 0, .most = kUnbounded},
@@ -94,7 +66,8 @@ LowLevelTorque::LowLevelTorque(const Options& o) : TorqueLoop{o.joints} {
                .time_constant_s = o.leak_time_s,
                .limit = o.leak_limit,
                .period = o.period});
-  auto& sum = Add<MotorTorque>("sum", {.joints = o.joints, .lag_gain = o.lag_gain});
+  auto& lambda = Add<Gain<JointTorque>>("lag_gain", {.space = o.joints, .gain = o.lag_gain});
+  auto& sum = Add<Sum<JointTorque>>("sum", {.space = o.joints});
   auto& motor = Add<TorqueToCurrent>("motor", {.joints = o.joints,
                                                .torque_per_ampere = o.torque_per_ampere,
                                                .current_limit = o.current_limit,
@@ -110,13 +83,14 @@ LowLevelTorque::LowLevelTorque(const Options& o) : TorqueLoop{o.joints} {
   Connect(motor.side, room.side);
   Connect(room.left, leak.u);
   if (o.rotor_feedforward)
-    Connect(torque, sum.wanted);
+    Connect(torque, sum.plus);
   else
-    Connect(miss.link, sum.wanted);
-  Connect(compensation.torque, sum.friction);
-  Connect(lag.y, sum.lag);
-  Connect(leak.y, sum.leak);
-  Connect(sum.torque, motor.torque);
+    Connect(miss.link, sum.plus);
+  Connect(compensation.torque, sum.plus);
+  Connect(lag.y, lambda.u);
+  Connect(lambda.y, sum.plus);
+  Connect(leak.y, sum.plus);
+  Connect(sum.y, motor.torque);
   Connect(motor.current, current);
   Connect(motor.saturated, saturated);
   Connect(miss.error, error);

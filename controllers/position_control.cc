@@ -70,6 +70,7 @@ JointAcceleration PositionControl::Integrate(const JointAcceleration& I, const J
   JointAcceleration next = I;
   for (Eigen::Index j = 0; j < I.size(); ++j) {
     const double e = r(j) - d.q(j), a_max = o_.acceleration_limit(j);
+    if (!std::isfinite(e)) continue;  // else one bad sample would stay for good
     if (winds_up(e, demand(j), a_max) || winds_up(e, asked(j), o_.torque_limit(j))) continue;
     next(j) = std::clamp(I(j) + h_ * o_.integral(j) * e, -a_max, a_max);
   }

@@ -188,6 +188,13 @@ struct BlockOf<Block> {
   using type = Block;
 };
 
+JointBits ContinuousJointsOf(const RobotModel& model) {
+  JointBits bits = 0;
+  for (int j = 0; j < model.size(); ++j)
+    if (model.joint(j).type == Joint::Type::Continuous) bits |= JointBits{1} << j;
+  return bits;
+}
+
 PairNames PairsOf(const ComplianceControl::Options& o) {
   if (!o.collisions) return {};
   return CollisionGeometry(o.model, o.collisions->pairs, o.collisions->obstacles).names();
@@ -390,6 +397,7 @@ ComplianceControl::ComplianceControl(const Options& o)
                                                          .start = o.position,
                                                          .first = *o.modes->control,
                                                          .settings = o.modes->switching,
+                                                         .continuous = ContinuousJointsOf(o.model),
                                                          .period = o.period});
       Connect(*wanted, control.wanted);
       Connect(moved->open, control.reference);
@@ -468,9 +476,10 @@ ComplianceControl::ComplianceControl(const Options& o)
   Connect(posture.error, posture_error);
   Connect(qp.report, report);
   if (!chooses) {
-    const ArmControl moves = open_loop                    ? ArmControl::Position
-                             : o.torque_loop.index() == 0 ? ArmControl::ProposedTorque
-                                                          : ArmControl::KinovaTorque;
+    const ArmControl moves = open_loop ? ArmControl::Position
+                             : std::holds_alternative<ProposedTorqueLoop>(o.torque_loop)
+                                 ? ArmControl::ProposedTorque
+                                 : ArmControl::KinovaTorque;
     const ControlMode in = open_loop     ? ControlMode::Position
                            : o.low_level ? ControlMode::Current
                                          : ControlMode::Torque;
@@ -499,32 +508,38 @@ ComplianceControl::ComplianceControl(const Options& o)
   };
   if (chooses) {
     auto& fade = Add<CurrentFade>(
-        "fade", {.joints = joints, .change_s = o.modes->supervisor.change_s, .period = o.period});
+        "fade", {.joints = joints,
+                 .change_s = o.modes->supervisor.change_s,
+                 .current_limit = o.low_level ? o.low_level->current_limit : MotorCurrent{},
+                 .period = o.period});
     Connect(chooses->control, fade.control);
     Connect(measured_current, fade.measured_current);
     Connect(fade.current, current);
     Connect(fade.saturated, saturated);
+    // A loop that does not move the arm sees no error, so that nothing builds up in it: in place of
+    // the measured torque it is told the one it takes for reached.
     const auto add_fading = [&](const std::string& name, ArmControl control, const auto& choice,
-                                Input<MotorCurrent>& to, Input<JointBits>& cut) {
+                                const auto& reached, Input<MotorCurrent>& to,
+                                Input<JointBits>& cut) {
       TorqueLoop& loop = add_loop(name, choice);
       auto& moves = Add<Moves>(name + "_moves", {.control = control});
       auto& sees = Add<Switch<JointTorque>>(name + "_sees", {.space = joints});
       Connect(chooses->control, moves.control);
       Connect(moves.y, sees.select);
       Connect(measured_torque, sees.on);
-      Connect(miss.link, sees.off);
+      Connect(reached, sees.off);
       Connect(sees.y, loop.measured_torque);
       Connect(loop.current, to);
       Connect(loop.saturated, cut);
     };
     if (o.low_level) {
       add_fading("low_level", ArmControl::ProposedTorque,
-                 std::get<ProposedTorqueLoop>(o.torque_loop), fade.proposed,
+                 std::get<ProposedTorqueLoop>(o.torque_loop), miss.link, fade.proposed,
                  fade.proposed_saturated);
       add_fading("kinova", ArmControl::KinovaTorque,
                  o.modes->kinova_loop.value_or(
                      KinovaDampedLoop{.feedforward = 1, .gain = 0, .damping = 0}),
-                 fade.kinova, fade.kinova_saturated);
+                 qp.torque, fade.kinova, fade.kinova_saturated);
     } else {
       auto& motors = Add<TorqueToCurrent>(
           "motors", {.joints = joints, .torque_per_ampere = PerJoint::Ones(n), .period = o.period});

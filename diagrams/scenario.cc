@@ -77,6 +77,9 @@ ArmActuators AssumedActuators(const Scenario& scenario, const SimulatedArm::Opti
 void Complete(ComplianceControl::Options& control, const Scenario& scenario,
               const SimulatedArm::Options& arm) {
   const bool ideal = std::get<StationOptions>(scenario.station).ideal;
+  Require(!ideal || scenario.assumed_friction.empty(),
+          "assumed_friction is of the current loop of !Compliance, and an ideal station has none; "
+          "leave it out, or give a station that is not ideal");
   if (!ideal)
     control.low_level =
         LowLevelTorqueOf(AssumedActuators(scenario, arm), control.model, control.period);

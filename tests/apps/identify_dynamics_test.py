@@ -68,9 +68,36 @@ class IdentifyDynamics(InFolder):
             2, "identify", "dynamics", "short.csv", "--urdf", "rod.urdf", *NAMES))
         self.assertIn("tau1", self.ends(2, "identify", "dynamics", "log.csv", "--urdf", "rod.urdf", "--time", "t",
                                         "--position", "q{}", "--velocity", "v{}", "--torque", "effort{}"))
+        # A log that names its joints is one of that robot.
+        self.swing("named.csv", columns="t,q[elbow],v[elbow],tau[elbow]")
+        named = ["identify", "dynamics", "named.csv", "--urdf", "rod.urdf", "--time", "t", "--position", "q",
+                 "--velocity", "v", "--torque", "tau"]
+        self.refuses("named.csv: expected joint 'hinge' of robot \"rod\", found 'elbow'; give the robot of the log, or "
+                     "with --joints those joints of the log that are the robot's, in its order", *named)
+        self.ends(0, *named, "--joints", "elbow")
         self.write("there.urdf", "")
         self.refuses("there.urdf exists; give --force to write over it, or another place",
                      *self.identify("--out", "there.urdf"))
+
+    def test_refuses_before_it_reads(self):
+        """A log that is not there is not missed where an option is wrong."""
+        lost = ["identify", "dynamics", "lost.csv", "--urdf", "rod.urdf", *NAMES]
+        for option in "--prior-deviation", "--window", "--step":
+            self.assertIn(f"{option}: Value 0 not in range", self.ends(2, *lost, option, "0"))
+        self.assertIn("--step: Value 1e-6 not in range", self.ends(2, *lost, "--step", "1e-6"))
+        self.write("there/verdict.json", "mine")
+        self.refuses("there/verdict.json exists; give --force to write over it, or another --report",
+                     *lost, "--report", "there")
+        self.refuses("--report wants a folder, and log.csv is none", *lost, "--report", "log.csv")
+        done = self.pliant(*lost, "--report", "new", env={"PATH": ""})
+        self.assertEqual((done.returncode, "gnuplot" in done.stderr), (3, True), done.stderr)
+
+    def test_options_with_lists_leave_the_logs_alone(self):
+        self.swing("other.csv", amplitude=0.6)
+        for option, value in [("--torque", "tau{}"), ("--joints", "1"), ("--links", "arm"), ("--validate", "other.csv"),
+                              ("--without", "coulomb,viscous")]:
+            names = [name for name in NAMES if name not in (option, value)]
+            self.ends(0, "identify", "dynamics", "--urdf", "rod.urdf", *names, option, value, "log.csv", "other.csv")
 
 
 if __name__ == "__main__":

@@ -57,6 +57,18 @@ class Output(InFolder):
         self.assertTrue((self.folder / "out/logs/run.mcap").is_symlink())
         self.ends(0, "log", "info", "kept.mcap")
 
+    def test_of_a_pad_stays_until_the_new_recording_is_whole(self):
+        self.write("pad.yaml", "events: []  # mine\n")
+        pad = ["pad", "--seconds", "0.05", "--record", "pad.yaml"]
+        self.refuses("pad.yaml exists; give --force to write over it, or another place", *pad)
+        no_file_grows = {"preexec_fn": lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))}
+        self.assertIn("pliant: cannot write pad.yaml: File too large",
+                      self.ends(3, *pad, "--force", **no_file_grows))
+        self.assertEqual((self.folder / "pad.yaml").read_text(), "events: []  # mine\n")
+        self.ends(0, *pad, "--force")
+        self.assertEqual((self.folder / "pad.yaml").read_text(), "events: []\n")
+        self.assertFalse((self.folder / "pad.yaml.part").exists())
+
     def test_of_two_at_once_is_that_of_one(self):
         both = [self.start(*RUN, "out") for _ in range(2)]
         said = [process.communicate(timeout=30) for process in both]

@@ -10,6 +10,7 @@
 #include "pliant/apps/live_pad.h"
 #include "pliant/systems/block_tester.h"
 #include "pliant/tests/support/allocations.h"
+#include "pliant/tests/support/error_of.h"
 
 namespace pliant {
 namespace {
@@ -51,6 +52,14 @@ TEST(PadDevice, SaysThatNoneIsThere) {
   std::this_thread::sleep_for(std::chrono::milliseconds(20));
   EXPECT_FALSE(device.latest().connected);
   EXPECT_EQ(device.latest().buttons, 0U);
+}
+
+TEST(PadDevice, IsOneAtATime) {
+  for (int k = 0; k < 3; ++k) {
+    const PadDevice device;
+    EXPECT_EQ(ErrorOf([] { PadDevice second; }),
+              "game controllers are asked by one PadDevice at a time; there is one already");
+  }
 }
 
 TEST(PadDevice, SeesButtonsAndThatItIsUnplugged) {

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
+#include <numbers>
 
 #include "pliant/controllers/current_fade.h"
 #include "pliant/systems/block_tester.h"
@@ -16,8 +18,9 @@ using enum ArmControl;
 const Joints kTwo{"first", "second"};
 
 struct Arm {
-  explicit Arm(ArmControl first)
-      : t{ControlSupervisor::Options{.joints = kTwo, .start = {0.1, 0.2}, .first = first}} {
+  explicit Arm(ArmControl first, JointBits continuous = 0)
+      : t{ControlSupervisor::Options{
+            .joints = kTwo, .start = {0.1, 0.2}, .first = first, .continuous = continuous}} {
     t.Set(t->wanted, first);
     t.Set(t->reference, {0, 0});
     t.Set(t->measured_position, {0, 0});
@@ -79,6 +82,17 @@ TEST(ControlSupervisor, StopsBrakingWhereTorquesAreWantedAgain) {
   EXPECT_TRUE(arm.t.Get(arm.t->braking));
   EXPECT_EQ(arm.After(KinovaTorque), KinovaTorque);
   EXPECT_FALSE(arm.t.Get(arm.t->braking));
+}
+
+TEST(ControlSupervisor, DoesNotCountWholeTurnsOfJointsWithoutLimits) {
+  Arm arm(Position, 0b01);
+  arm.t.Set(arm.t->reference, {3.15, 0});
+  arm.t.Set(arm.t->measured_position, {3.15 - 2 * std::numbers::pi, 0});
+  EXPECT_EQ(arm.After(ProposedTorque), ProposedTorque);
+  Arm limited(Position, 0b10);
+  limited.t.Set(limited.t->reference, {3.15, 0});
+  limited.t.Set(limited.t->measured_position, {3.15 - 2 * std::numbers::pi, 0});
+  EXPECT_EQ(limited.After(ProposedTorque), Position);
 }
 
 TEST(ControlSupervisor, TakesAVelocityThatIsNoNumberForMotion) {
@@ -145,6 +159,7 @@ TEST(CurrentFade, KeepsTheCurrentAtAChangeAndMovesItByAPartATick) {
 
 TEST(CurrentFade, ReportsTheCutsOfTheLoopThatMovesTheArm) {
   BlockTester<CurrentFade> t(CurrentFade::Options{.joints = kTwo, .period = 1ms});
+  for (const auto* in : {&t->kinova, &t->proposed, &t->measured_current}) t.Set(*in, {0, 0});
   t.Set(t->kinova_saturated, 1);
   t.Set(t->proposed_saturated, 2);
   for (const auto& [control, cut] :
@@ -154,7 +169,58 @@ TEST(CurrentFade, ReportsTheCutsOfTheLoopThatMovesTheArm) {
   }
 }
 
+TEST(CurrentFade, LosesNoJointToASampleThatIsNoNumber) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  BlockTester<CurrentFade> t(CurrentFade::Options{.joints = kTwo, .period = 1ms});
+  t.Set(t->control, Position);
+  t.Set(t->kinova, {0, 0});
+  t.Set(t->proposed, {-3, 2});
+  t.Set(t->measured_current, {nan, 4});
+  t.Tick();
+  t.Set(t->control, ProposedTorque);
+  t.Tick();
+  EXPECT_EQ(t.Get(t->current), MotorCurrent({-3, 4})) << "the first without a fade";
+  t.Set(t->kinova, {nan, 1});
+  t.Set(t->control, KinovaTorque);
+  t.Tick();
+  EXPECT_EQ(t.Get(t->current)(1), 4);
+  t.Set(t->kinova, {1, 1});
+  t.Tick();
+  EXPECT_EQ(t.Get(t->current)(0), 1);
+  for (int k = 0; k < 500; ++k) t.Tick();
+  t.Set(t->kinova, {1, nan});
+  t.Tick();
+  t.Set(t->kinova, {1, 2});
+  t.Tick();
+  EXPECT_EQ(t.Get(t->current), MotorCurrent({1, 2}));
+}
+
+TEST(CurrentFade, CutsTheSumAtTheLimitsAndSaysSo) {
+  BlockTester<CurrentFade> t(
+      CurrentFade::Options{.joints = kTwo, .current_limit = {5, 5}, .period = 1ms});
+  t.Set(t->control, ProposedTorque);
+  t.Set(t->measured_current, {0, 0});
+  t.Set(t->proposed, {-5, 0});
+  t.Set(t->kinova, {0, 0});
+  t.Tick();
+  t.Set(t->control, KinovaTorque);
+  t.Tick();
+  EXPECT_EQ(t.Get(t->current), MotorCurrent({-5, 0}));
+  EXPECT_EQ(t.Get(t->saturated), 0U);
+  t.Set(t->kinova, {-4, 0});  // within its own limits, and − 5 on top
+  t.Tick();
+  EXPECT_EQ(t.Get(t->current), MotorCurrent({-5, 0}));
+  EXPECT_EQ(t.Get(t->saturated), 1U);
+  for (int k = 0; k < 500; ++k) t.Tick();
+  EXPECT_EQ(t.Get(t->current), MotorCurrent({-4, 0}));
+  EXPECT_EQ(t.Get(t->saturated), 0U);
+}
+
 TEST(CurrentFade, RefusesATimeThatIsNone) {
+  EXPECT_EQ(ErrorOf([] {
+              CurrentFade fade({.joints = kTwo, .current_limit = {5, 0}, .period = 1ms});
+            }),
+            "current_limit[second] must be > 0 A, got 0");
   EXPECT_EQ(ErrorOf([] { CurrentFade fade({.joints = kTwo, .change_s = 0, .period = 1ms}); }),
             "change_s must be > 0 s, got 0");
 }

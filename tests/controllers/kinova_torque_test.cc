@@ -130,10 +130,9 @@ TEST(KinovaHighVelocityTorque, RefusesGainsThatAreNone) {
     return ErrorOf([&] { KinovaDampedTorque loop(o); });
   };
   using O = KinovaDampedTorque::Options;
-  EXPECT_EQ(error([](O& o) { o.torque.feedforward = -1; }),
-            "sum: feedforward must be >= 0, got -1");
-  EXPECT_EQ(error([](O& o) { o.torque.gain = -1; }), "sum: gain must be >= 0, got -1");
-  EXPECT_EQ(error([](O& o) { o.damping = -8; }), "sum: damping must be >= 0 N·m·s/rad, got -8");
+  EXPECT_EQ(error([](O& o) { o.torque.feedforward = -1; }), "feedforward must be >= 0, got -1");
+  EXPECT_EQ(error([](O& o) { o.torque.gain = -1; }), "gain must be >= 0, got -1");
+  EXPECT_EQ(error([](O& o) { o.damping = -8; }), "damping must be >= 0 N·m·s/rad, got -8");
   EXPECT_EQ(error([](O& o) { o.torque.torque_per_ampere(1) = 0; }),
             "motor: torque_per_ampere[second] must be > 0 N·m/A, got 0");
   EXPECT_EQ(error([](O& o) { o.torque.reflected_inertia(0) = -1; }),

@@ -137,7 +137,7 @@ TEST(LowLevelTorque, RefusesGainsThatAreNone) {
             "motor: torque_per_ampere[first] must be > 0 N·m/A, got 0");
   EXPECT_EQ(error([](O& o) { o.reflected_inertia(1) = -1; }),
             "error: reflected_inertia[second] must be >= 0 kg·m², got -1");
-  EXPECT_EQ(error([](O& o) { o.lag_gain = -1; }), "sum: lag_gain must be >= 0, got -1");
+  EXPECT_EQ(error([](O& o) { o.lag_gain = -1; }), "lag_gain must be >= 0, got -1");
   EXPECT_EQ(error([](O& o) { o.friction.coulomb(0) = -3; }),
             "friction: coulomb[first] must be >= 0 N·m, got -3");
   EXPECT_EQ(error([](O& o) { o.friction.velocity_threshold = 0; }),

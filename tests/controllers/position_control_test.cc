@@ -42,6 +42,21 @@ RobotDynamics Free(const JointPosition& q, const JointVelocity& v) {
 
 const Joints kTwo{"first", "second"};
 
+TEST(PositionControl, KeepsItsIntegralWhereAMeasurementIsNoNumber) {
+  BlockTester<PositionControl> t(Gains(kTwo));
+  t.Set(t->reference, {0.05, 0});
+  t.Set(t->dynamics, Free({0, 0}, {0, 0}));
+  for (int k = 0; k < 10; ++k) t.Tick();
+  const JointAcceleration before = t.Get(t->acceleration);
+  t.Set(t->dynamics, Free({std::nan(""), 0}, {0, 0}));
+  t.Tick();
+  t.Set(t->dynamics, Free({0, 0}, {0, 0}));
+  t.Tick();
+  // One more sample of integration than before the gap: 50 · 0.05 · 1e-3 rad/s².
+  EXPECT_NEAR(t.Get(t->acceleration)(0) - before(0), 2.5e-3, 1e-12);
+  EXPECT_EQ(t.Get(t->acceleration)(1), 0);
+}
+
 TEST(PositionControl, AsksForTheAccelerationOfItsLawAndTheTorqueOfTheModel) {
   const RobotModel model = Gen3();
   const Joints& joints = model.joints();

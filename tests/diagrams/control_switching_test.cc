@@ -129,6 +129,32 @@ TEST(ControlSwitching, DoesNotJumpOnARealArmThatMovesAndIsPushed) {
   }
 }
 
+TEST(ControlSwitching, LetsNothingBuildUpInALoopThatDoesNotMoveTheArm) {
+  using enum ArmControl;
+  const Scenario scenario =
+      Changing({.ideal = false, .pushed = true, .dynamic = true, .mode = ComplianceMode::FullBody},
+               ProposedTorque, ProposedTorque);
+  ScenarioDiagram scene(scenario);
+  const Diagram diagram = scene.builder.Build();
+  const auto& slots = diagram.plan().slots;
+  const auto current = std::ranges::find_if(slots, [](const internal::Slot& slot) {
+    return slot.value->path() == "control.kinova.motor.current";
+  });
+  ASSERT_NE(current, slots.end());
+  const auto& kinova = static_cast<const Output<MotorCurrent>&>(*current->value);
+  Simulator sim(diagram, {.integrator = scenario.integrator});
+  const PerJoint kappa = StationOf(scenario).actuators.torque_per_ampere();
+  double moved = 0;
+  for (int k = 0; k < kSwitch; ++k) {
+    sim.AdvanceThroughTick();
+    // f = 1, d = 0, and nothing comes through the lag.
+    const PerJoint off = kappa.cwiseProduct(sim.Get(kinova)) - sim.Get(scene.control->torque);
+    ASSERT_LT(off.cwiseAbs().maxCoeff(), 1e-12) << k;  // round-off
+    moved = std::max(moved, sim.Get(scene.control->acceleration).cwiseAbs().maxCoeff());
+  }
+  EXPECT_GT(moved, 1) << "rotors are moved";
+}
+
 TEST(ControlSwitching, FollowsARecordedPad) {
   using enum PadHappening;
   Scenario scenario = Changing({.ideal = true, .mode = ComplianceMode::NullSpace},

@@ -138,6 +138,15 @@ TEST(FrictionOfAFile, IsWhatTheTorqueLoopOfACompliantControllerAssumes) {
   EXPECT_EQ(friction.coulomb(0), 3);
 }
 
+TEST(FrictionOfAFile, IsRefusedWhereNothingCompensatesIt) {
+  const Scenario scenario = ScenarioIn({{"controller", "!Compliance {tool: tool_frame}"},
+                                        {"station", "!SimulatedArm {ideal: true}"},
+                                        {"assumed_friction", "[{joint: joint_2, coulomb: 3.5}]"}});
+  EXPECT_EQ(ErrorOf([&] { ControllerOf(scenario, StationOf(scenario)); }),
+            "assumed_friction is of the current loop of !Compliance, and an ideal station has "
+            "none; leave it out, or give a station that is not ideal");
+}
+
 TEST(FrictionOfAFile, RefusesJointsThatAreNotThereOrTwice) {
   EXPECT_THAT(ErrorOfSetting({{"station.friction", "[{joint: joint_8, coulomb: 4}]"}}),
               HasSubstr("joint_8"));
