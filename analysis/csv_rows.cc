@@ -1,6 +1,7 @@
 #include "pliant/analysis/csv_rows.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <charconv>
 #include <cmath>
@@ -32,7 +33,8 @@ std::string_view Unquoted(std::string_view word) {
 }
 
 bool SameLetters(std::string_view a, std::string_view b) {
-  return std::ranges::equal(a, b, [](char x, char y) { return std::tolower(x) == y; });
+  return std::ranges::equal(
+      a, b, [](char x, char y) { return std::tolower(static_cast<unsigned char>(x)) == y; });
 }
 
 /// Nothing if the word is no number.
@@ -100,18 +102,19 @@ CsvRows::CsvRows(const std::filesystem::path& file, char delimiter)
   const bool remark = text_.starts_with('#');
   if (remark) text_.erase(0, text_.find_first_not_of("# \t"));
   if (!delimiter_) delimiter_ = DelimiterOf(Trimmed(text_));
-  SplitInto(cells_, Trimmed(text_), delimiter_);
+  Split();
   named_ = std::ranges::any_of(cells_, IsWord);
 
   std::vector<std::string> first(cells_.begin(), cells_.end());
   if (remark) {
     // A remark unless it names as many columns as follow.
     const bool follows = ReadLine();
-    if (follows && !delimiter) {
+    if (follows) {
+      const char between = delimiter ? delimiter : DelimiterOf(Trimmed(text_));
       std::vector<std::string_view> below;
-      SplitInto(below, Trimmed(text_), DelimiterOf(Trimmed(text_)));
+      SplitInto(below, between == ' ' ? Trimmed(text_) : text_, between);
       if (below.size() != first.size()) {
-        delimiter_ = DelimiterOf(Trimmed(text_));
+        delimiter_ = between;
         named_ = false;
       }
     }

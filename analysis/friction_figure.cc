@@ -24,12 +24,13 @@ Curve CloudOf(const std::string& label, const FrictionSamples& samples, double o
   return cloud;
 }
 
+/// NaN if it was not identified.
 double ValueOf(const FrictionFit& fit, const char* name) {
   const FrictionEstimate* found = fit.Find(name);
-  return found ? found->value : 0;
+  return found ? found->value : std::numeric_limits<double>::quiet_NaN();
 }
 
-std::string Rounded(double x) { return Text(std::round(1e3 * x) / 1e3); }
+std::string Rounded(double x) { return std::isfinite(x) ? Text(std::round(1e3 * x) / 1e3) : "–"; }
 
 }  // namespace
 
@@ -53,15 +54,18 @@ Figure FrictionFigure::Draw(const Runs& all) const {
                          " N·m·s/rad, s = " + Rounded(s) + " N·m",
                 .x = {.label = "velocity [rad/s]"},
                 .left = {.label = "κ i − τ − B q̈ [N·m]"}};
-    for (std::size_t i = 0; i < size.joints.size(); ++i)
+    for (std::size_t i = 0; i < size.joints.size(); ++i) {
+      const FrictionEstimate* offset = fit.each[i].Find("offset");
       panel.curves.push_back(CloudOf(of.arm.model.joint(size.joints[i].joint).name,
-                                     size.joints[i].samples, ValueOf(fit.each[i], "offset")));
+                                     size.joints[i].samples, offset ? offset->value : 0));
+    }
     const double fastest = fit.pooled.velocity.cwiseAbs().maxCoeff();
     constexpr double kGap = std::numeric_limits<double>::quiet_NaN();
-    panel.curves.push_back({.label = "fit",
-                            .x = {-fastest, 0, kGap, 0, fastest},
-                            .y = {-c - d * fastest, -c, kGap, c, c + d * fastest}});
-    panel.y_bands.push_back({-s, s, "static"});
+    if (std::isfinite(c + d))
+      panel.curves.push_back({.label = "fit",
+                              .x = {-fastest, 0, kGap, 0, fastest},
+                              .y = {-c - d * fastest, -c, kGap, c, c + d * fastest}});
+    if (std::isfinite(s)) panel.y_bands.push_back({-s, s, "static"});
     figure.panels.push_back(std::move(panel));
   }
   return figure;

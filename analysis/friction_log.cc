@@ -21,30 +21,48 @@ const std::string kDriving =
     "friction would drive it; has the torque the sign of the current? An arm that reports what the "
     "link does to the joint wants --torque-unit=-Nm";
 
-double MedianOf(VectorXd all) {
-  const Index middle = all.size() / 2;
-  std::nth_element(all.data(), all.data() + middle, all.data() + all.size());
-  return all(middle);
+constexpr Index kLongRest = 100;
+
+/// The direction of a joint that moves, from the fewest samples from `at` on, forwards or
+/// backwards, whose mean is no noise; 0 if it rests.
+double DirectionFrom(const VectorXd& velocity, Index at, Index step, Index most, double noise) {
+  double sum = 0;
+  for (Index m = 1; m <= std::min(most, kLongRest); ++m, at += step) {
+    sum += velocity(at);
+    const auto count = static_cast<double>(m);
+    if (m >= kMean && std::abs(sum) > 4 * noise * std::sqrt(count)) return sum > 0 ? 1 : -1;
+  }
+  return 0;
 }
 
-/// Where the current steps: the first sample of each new level, and the beginnings of files.
-std::vector<Index> StepsOf(const VectorXd& current, const std::vector<Index>& files) {
+/// Where the current steps: the first sample of each new level, and the beginnings of files. Where
+/// the joint turns back its friction changes sign and the current with it: that is no step.
+std::vector<Index> StepsOf(const VectorXd& current, const VectorXd& velocity,
+                           const std::vector<Index>& files) {
   const double range = current.maxCoeff() - current.minCoeff();
   const double least = std::max(0.04 * range, 6 * NoiseOf(current) * std::sqrt(2.0 / kMean));
+  const double noise = NoiseOf(velocity);
   std::vector<Index> steps(files);
   if (!(range > 0)) return steps;
-  VectorXd jump = VectorXd::Zero(current.size());
-  for (Index k = kMean; k + kMean <= current.size(); ++k)
-    jump(k) = std::abs(current.segment(k, kMean).mean() - current.segment(k - kMean, kMean).mean());
-  for (Index k = kMean; k + kMean <= current.size(); ++k) {
-    if (!(jump(k) > least)) continue;
-    // The greatest of the run of samples about a step is where it lies.
-    Index at = k;
-    while (k + kMean <= current.size() && jump(k) > least) {
-      if (jump(k) > jump(at)) at = k;
-      ++k;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const Index begin = files[i], end = i + 1 < files.size() ? files[i + 1] : current.size();
+    const auto jump = [&](Index k) {
+      return std::abs(current.segment(k, kMean).mean() - current.segment(k - kMean, kMean).mean());
+    };
+    for (Index k = begin + kMean; k + kMean <= end; ++k) {
+      double greatest = jump(k);
+      if (!(greatest > least)) continue;
+      // The greatest of the run of samples about a step is where it lies.
+      Index at = k;
+      for (; k + kMean <= end && jump(k) > least; ++k) {
+        if (jump(k) <= greatest) continue;
+        at = k;
+        greatest = jump(k);
+      }
+      const double before = DirectionFrom(velocity, at - 1, -1, at - begin, noise),
+                   after = DirectionFrom(velocity, at, 1, end - at, noise);
+      if (before * after >= 0) steps.push_back(at);
     }
-    steps.push_back(at);
   }
   std::ranges::sort(steps);
   return steps;
@@ -54,7 +72,7 @@ std::vector<Index> StepsOf(const VectorXd& current, const std::vector<Index>& fi
 Index Unsettled(const VectorXd& velocity, double noise) {
   const Index n = velocity.size(), most = 3 * n / 4;
   if (n < 4 * kMean) return most;
-  const double last = MedianOf(velocity.tail(n / 4));
+  const double last = MedianOf({velocity.end() - n / 4, velocity.end()});
   const auto mean = [&](Index k) { return velocity.segment(k, kMean).mean(); };
   const double near =
       std::max(0.02 * std::abs(last - mean(0)), 4 * noise / std::sqrt(static_cast<double>(kMean)));
@@ -104,7 +122,7 @@ FrictionLog FrictionOf(const Samples& samples, Index row, const DriveFigures& dr
   const double noise = NoiseOf(velocity);
   const double least = least_velocity > 0 ? least_velocity : std::max(0.005, 4 * noise);
 
-  const std::vector<Index> steps = StepsOf(current, samples.begin);
+  const std::vector<Index> steps = StepsOf(current, velocity, samples.begin);
   log.steps = std::ssize(steps) - std::ssize(samples.begin);
   std::vector<bool> keep(static_cast<std::size_t>(n), true), stepped(keep.size(), false);
   for (std::size_t i = 0; i < steps.size(); ++i) {
@@ -131,7 +149,12 @@ FrictionLog FrictionOf(const Samples& samples, Index row, const DriveFigures& dr
 
   std::vector<double> away;
   Index resting = 0;
+  std::size_t files = 0;
   for (Index k = 0; k + kMean <= n; ++k) {
+    if (files < samples.begin.size() && samples.begin[files] <= k) {
+      resting = 0;
+      ++files;
+    }
     if (std::abs(velocity(k)) < least) {
       ++resting;
       continue;

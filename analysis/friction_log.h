@@ -28,8 +28,9 @@ struct FrictionLog {
 /// The torque error y = κ i − τ − B q̈ of a row of `samples`, without transients:
 ///
 /// A step is where the mean current of five samples differs from that of the five before it by more
-/// than 4 % of the range of all currents and six standard deviations of their noise. From a step
-/// on, samples are left out until the mean velocity of five comes to stay within 2 % of its change,
+/// than 4 % of the range of all currents and six standard deviations of their noise, in one file,
+/// while the velocity keeps its sign: where it turns, friction changes the current. From a step on,
+/// samples are left out until the mean velocity of five comes to stay within 2 % of its change,
 /// or within the noise, about its median in the last quarter before the next step; three quarters
 /// of the samples at most. Logs without steps keep all.
 ///

@@ -55,7 +55,7 @@ Curve Drawn(const std::string& label, double fastest, double slowest, const Law&
 
 }  // namespace
 
-Figure FrictionFigure(const FrictionResult& result) {
+Figure FigureOf(const FrictionResult& result) {
   const FrictionSamples& s = result.log.samples;
   const FrictionFit& fit = result.fit;
   const FrictionEstimate* offset = fit.Find("offset");
@@ -73,9 +73,10 @@ Figure FrictionFigure(const FrictionResult& result) {
   for (Index k = 0; k < s.velocity.size(); k += stride) {
     cloud.x.push_back(s.velocity(k));
     cloud.y.push_back(s.torque(k) - b);
-    if (std::abs(s.velocity(k)) < fit.least_velocity) continue;
+    const double residual = s.torque(k) - b - fit.Curve(s.velocity(k));
+    if (std::abs(s.velocity(k)) < fit.least_velocity || !std::isfinite(residual)) continue;
     left.x.push_back(s.velocity(k));
-    left.y.push_back(s.torque(k) - b - fit.Curve(s.velocity(k)));
+    left.y.push_back(residual);
   }
   const double fastest = s.velocity.size() > 0 ? s.velocity.cwiseAbs().maxCoeff() : 1;
   const double slowest = 1e-3 * fastest;
@@ -84,11 +85,14 @@ Figure FrictionFigure(const FrictionResult& result) {
              .x = {.label = "velocity [rad/s]"},
              .left = {.label = "torque error [N·m]"}};
   over.curves.push_back(std::move(cloud));
-  over.curves.push_back(Drawn("fit", fastest, slowest, [&](double v) { return fit.Curve(v); }));
-  over.curves.push_back(Drawn("Coulomb", fastest, slowest,
-                              [&](double v) { return std::copysign(at("coulomb", v), v); }));
-  over.curves.push_back(
-      Drawn("viscous", fastest, slowest, [&](double v) { return at("viscous", v) * v; }));
+  const auto draw = [&](const std::string& label, const auto& law) {
+    Curve curve = Drawn(label, fastest, slowest, law);
+    const bool told = std::ranges::any_of(curve.y, [](double y) { return std::isfinite(y); });
+    if (told) over.curves.push_back(std::move(curve));
+  };
+  draw("fit", [&](double v) { return fit.Curve(v); });
+  draw("Coulomb", [&](double v) { return std::copysign(at("coulomb", v), v); });
+  draw("viscous", [&](double v) { return at("viscous", v) * v; });
   for (const double sign : {1.0, -1.0}) {
     const double c = at("coulomb", sign), stiction = at("stiction", sign);
     if (!std::isfinite(c) || !std::isfinite(stiction)) continue;
@@ -96,6 +100,7 @@ Figure FrictionFigure(const FrictionResult& result) {
                             .to = std::max(sign * c, sign * stiction),
                             .label = sign > 0 ? "static" : ""});
   }
+  const bool followed = !left.x.empty();
   Panel below{.x = {.label = "velocity [rad/s]"}, .left = {.label = "residual [N·m]"}};
   below.curves.push_back(std::move(left));
   below.limits = {{.at = 2 * fit.scale, .label = "2 σ"}, {.at = -2 * fit.scale}};
@@ -109,7 +114,8 @@ Figure FrictionFigure(const FrictionResult& result) {
                      (offset ? ", without the offset of " + Digits(b) + " N·m" : "") +
                      ", and what the fit leaves. Of " + Text(s.velocity.size()) +
                      " samples an even share is shown.",
-          .panels = {std::move(over), std::move(below)}};
+          .panels = followed ? std::vector<Panel>{std::move(over), std::move(below)}
+                             : std::vector<Panel>{std::move(over)}};
 }
 
 Table FrictionTable(const std::vector<FrictionResult>& results) {
@@ -141,6 +147,7 @@ Table Residuals(const std::vector<FrictionResult>& results) {
                   "over bins of velocity, of what is left in the mean."};
   for (const FrictionResult& result : results) {
     const FrictionFit& f = result.fit;
+    if (f.estimates.empty()) continue;
     table.rows.push_back({result.log.joint, Text(f.samples), Digits(f.scale), Digits(f.rms),
                           Digits(100 * f.outliers, "%.2f %%"), Digits(f.cross_validation),
                           Digits(f.lack_of_fit) + (f.lacks_fit ? " ✗" : ""),
@@ -181,7 +188,7 @@ Report FrictionReport(const std::vector<FrictionResult>& results, const std::str
     report.settings.push_back({"directions", o.separate ? "separate" : "both"});
   }
   for (const FrictionResult& result : results) {
-    report.figures.push_back(FrictionFigure(result));
+    report.figures.push_back(FigureOf(result));
     for (const std::string& doubt : result.log.doubts)
       report.settings.push_back({"doubt", result.log.joint + ": " + doubt});
   }
@@ -206,11 +213,14 @@ std::string FrictionText(const FrictionResult& result) {
   }
   for (const auto& u : f.unidentified)
     all += "  " + u.name + " is not identified: " + u.reason + "\n";
-  std::snprintf(line.data(), line.size(),
-                "  residual σ %.3g N·m, held out %s, %.2f %% beyond 4 σ, lack of fit %.2g N·m%s\n",
-                f.scale, Digits(f.cross_validation, "%.3g").c_str(), 100 * f.outliers,
-                f.lack_of_fit, f.lacks_fit ? ": the model does not follow the samples" : "");
-  all += line.data();
+  if (!f.estimates.empty()) {
+    std::snprintf(
+        line.data(), line.size(),
+        "  residual σ %.3g N·m, held out %s, %.2f %% beyond 4 σ, lack of fit %.2g N·m%s\n", f.scale,
+        Digits(f.cross_validation, "%.3g").c_str(), 100 * f.outliers, f.lack_of_fit,
+        f.lacks_fit ? ": the model does not follow the samples" : "");
+    all += line.data();
+  }
   for (const FrictionFit& c : result.candidates) {
     std::snprintf(line.data(), line.size(), "  %-16s AIC %.1f  BIC %.1f%s\n",
                   Words(c.options.model)[static_cast<std::size_t>(c.options.model)].c_str(), c.aic,

@@ -19,7 +19,7 @@ struct FrictionResult {
 
 /// The torque error over the velocity with the fitted curve, its Coulomb and viscous parts and the
 /// band between them and stiction, and below it what is left. RSS fig. 3.
-Figure FrictionFigure(const FrictionResult& result);
+Figure FigureOf(const FrictionResult& result);
 
 Table FrictionTable(const std::vector<FrictionResult>& results);
 Table FrictionModels(const std::vector<FrictionResult>& results);

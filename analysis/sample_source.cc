@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <map>
 #include <optional>
@@ -22,6 +23,7 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr int kMostJoints = 64;
+constexpr long kMostAdded = 1000;
 
 // In the order in which a row holds them, after the time.
 enum Part { kPosition, kVelocity, kAcceleration, kCurrent, kTorque, kParts };
@@ -72,9 +74,11 @@ std::string OfJoint(const std::string& pattern, int joint) {
   int number = joint;
   if (!inside.empty()) {
     char* end = nullptr;
-    number += static_cast<int>(std::strtol(inside.c_str(), &end, 10));
-    if ((inside[0] != '+' && inside[0] != '-') || *end != '\0')
-      throw Error("'" + pattern + "': expected {}, {+N} or {-N} for the number of the joint");
+    const long more = std::strtol(inside.c_str(), &end, 10);
+    if ((inside[0] != '+' && inside[0] != '-') || *end != '\0' || std::abs(more) > kMostAdded)
+      throw Error("'" + pattern + "': expected {}, {+N} or {-N} for the number of the joint, N ≤ " +
+                  Text(kMostAdded));
+    number += static_cast<int>(more);
   }
   return pattern.substr(0, open) + std::to_string(number) + pattern.substr(close + 1);
 }
@@ -93,6 +97,7 @@ int NumberOf(const std::string& word) {
 struct Column {
   std::string joint;
   std::size_t index;
+  bool named = true;  // the log or the caller names the joint
 };
 
 /// The columns of all joints that have this kind, or of those asked for.
@@ -138,7 +143,7 @@ std::vector<Column> ColumnsOf(const Header& header, SampleKind kind,
       const std::string name = OfJoint(names[0], number);
       const std::optional<std::size_t> at = header.Find(name);
       if (!at) header.FailColumn(kind, name);
-      columns.push_back({"joint_" + std::to_string(number), *at});
+      columns.push_back({"joint_" + std::to_string(number), *at, false});
     }
     return columns;
   }
@@ -156,10 +161,16 @@ std::vector<Column> ColumnsOf(const Header& header, SampleKind kind,
     const std::optional<std::size_t> at = header.Find(names[i]);
     if (!at) header.FailColumn(kind, names[i]);
     const bool number = named && NumberOf(joints[i]) > 0;
-    columns.push_back(
-        {named && !number ? joints[i] : "joint_" + (number ? joints[i] : Text(i + 1)), *at});
+    columns.push_back({named && !number ? joints[i] : "joint_" + (number ? joints[i] : Text(i + 1)),
+                       *at, named && !number});
   }
   return named ? columns : pick(columns);
+}
+
+std::string Listed(const std::vector<std::string>& names) {
+  std::string all;
+  for (const std::string& name : names) all += (all.empty() ? "" : ", ") + Printable(name);
+  return all;
 }
 
 struct Plan {
@@ -191,6 +202,8 @@ Plan PlanOf(const Header& header, const SampleSource& source) {
                        source.need_current, source.need_torque};
   Plan plan;
   std::optional<std::string> by;
+  std::string named_by;
+  std::vector<std::string> named;
   const auto has = [&](const std::string& signal) {
     return !signal.empty() &&
            (header.Find(signal) || std::ranges::any_of(header.names, [&](const std::string& name) {
@@ -219,6 +232,17 @@ Plan PlanOf(const Header& header, const SampleSource& source) {
       throw Error(header.file.string() + ": there must be as many columns of the " +
                   std::string(NameOf(kKinds[part])) + " as of the " + *by + ", got " +
                   Text(joints.size()) + " and " + Text(plan.joints.size()));
+    }
+    if (!std::ranges::all_of(columns, &Column::named)) continue;
+    if (named.empty()) {
+      named = joints;
+      named_by = NameOf(kKinds[part]);
+    } else if (joints != named) {
+      throw Error(header.file.string() + ": the columns of the " +
+                  std::string(NameOf(kKinds[part])) +
+                  " must be of the same joints in the same order as those of the " + named_by +
+                  " (" + Listed(named) + "), got (" + Listed(joints) +
+                  "); name them in one order with --joints, or say each column");
     }
   }
   const auto missing = [&](int part) {
@@ -349,10 +373,17 @@ class Keeper {
   Samples result;
 
  private:
-  static std::string Listed(const std::vector<std::string>& names) {
-    std::string all;
-    for (const std::string& name : names) all += (all.empty() ? "" : ", ") + name;
-    return all;
+  /// A slope needs two times, a parabola three.
+  [[noreturn]] void FailStamps(double time, Eigen::Index samples,
+                               const std::vector<double>& steps) const {
+    throw Error(file_.string() + " at " + Text(time) + " s: of " + Text(samples) +
+                " samples in a row the stamps show " +
+                (steps.empty() ? "one time"
+                               : "two times, " + Text(steps[0]) +
+                                     " s apart, which is their "
+                                     "resolution") +
+                ": too coarse for a derivative, which needs three; make --window greater, or say "
+                "--sample-period instead of --time");
   }
 
   void Derive() {
@@ -372,13 +403,16 @@ class Keeper {
       s(k) = of(0) - row(0);
       values.col(k) = of.segment(from, n_);
     }
-    // The usual step is the median; a gap is a window more than twice as long as its steps say.
+    // The usual step is the median of those that are none; a gap is a window more than twice as
+    // long as its steps say.
     std::vector<double> steps;
-    for (Eigen::Index k = 1; k < size; ++k) steps.push_back(s(k) - s(k - 1));
-    std::ranges::nth_element(steps, steps.begin() + size / 2 - 1);
-    const double usual = steps[static_cast<std::size_t>(size / 2 - 1)];
-    const double length = s(size - 1) - s(0);
-    if (!(length > 0) || length > 2 * usual * static_cast<double>(size - 1)) return;
+    for (Eigen::Index k = 1; k < size; ++k)
+      if (s(k) > s(k - 1)) steps.push_back(s(k) - s(k - 1));
+    if (steps.size() < 2) FailStamps(row(0), size, steps);
+    const std::size_t middle_step = (steps.size() - 1) / 2;
+    std::ranges::nth_element(steps, steps.begin() + static_cast<std::ptrdiff_t>(middle_step));
+    const double usual = steps[middle_step], length = s(size - 1) - s(0);
+    if (length > 2 * usual * static_cast<double>(steps.size())) return;
     const Eigen::MatrixX3d x = FitParabola(s, values);
     if (from_position) {
       row.segment(1 + kVelocity * n_, n_) = x.col(1);

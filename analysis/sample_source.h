@@ -14,7 +14,8 @@ namespace pliant {
 /// Where a log has the numbers of one kind.
 struct SampleColumns {
   /// One name for each joint, or one for all of them:
-  ///   "v{}"                    v1, v2, …: {} is the number of the joint, {+7} that and 7
+  ///   "v{}"                    v1, v2, …: {} is the number of the joint, {+7} that and 7, up to
+  ///                            1000
   ///   "arm.measured_velocity"  the columns, or elements of the signal, arm.measured_velocity[…]
   ///   "4"                      the fourth column, from 1, if none is called so
   /// Empty: of a log or CSV file of pliant, the signal of the arm's station; of others, none.
@@ -69,7 +70,8 @@ struct Samples {
 /// w samples at either end of a file, and about a gap, are given up.
 ///
 /// Throws Error with the file and line: no such column (with those there are), a row of another
-/// length, a time before the one before it, no row, nothing but NaN in a column.
+/// length, a time before the one before it, no row, nothing but NaN in a column, columns of joints
+/// with names that differ, fewer than three times among samples whose derivative is taken.
 Samples ReadSamples(const SampleSource& source);
 
 /// The coefficients of the parabola x₀ + x₁ s + ½ x₂ s² that fits the values at times s best, for

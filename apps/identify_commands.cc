@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -32,6 +33,18 @@ struct Told {
   bool pool = false, no_offset = false, force = false;
   fs::path out, report;
 };
+
+/// Before a long read.
+void RequireDrives(const Told& told) {
+  for (const double kappa : told.torque_per_ampere)
+    Require(std::isfinite(kappa) && kappa > 0,
+            "--torque-per-ampere must be > 0 N·m/A; where the current has the other sign, give "
+            "--current-unit=-A",
+            kappa);
+  for (const double inertia : told.reflected_inertia)
+    Require(std::isfinite(inertia) && inertia >= 0, "--reflected-inertia must be ≥ 0 kg·m²",
+            inertia);
+}
 
 /// Of each joint of the samples.
 std::vector<DriveFigures> DrivesOf(const Told& told, const std::vector<std::string>& joints) {
@@ -82,23 +95,28 @@ E WordOf(const std::string& word) {
   return static_cast<E>(std::ranges::find(words, word) - words.begin());
 }
 
+/// A joint that does not slide enough has a fit of which nothing is identified.
 void Fit(const Told& told, FrictionResult& result) {
-  const Eigen::VectorXd& v = result.log.samples.velocity;
-  const bool both = v.size() > 0 && v.maxCoeff() > 0.005 && v.minCoeff() < -0.005;
+  const FrictionSamples& samples = result.log.samples;
   FrictionFitOptions o{.loss = WordOf<FrictionLoss>(told.loss),
                        .separate = told.directions == "separate",
-                       .offset = !told.no_offset && told.directions == "both" && both,
                        .least_velocity = told.least_velocity};
+  o.offset = !told.no_offset && told.directions == "both" && CountSliding(samples, o).both();
+  o.model = told.model == "auto" ? FrictionModel::Stribeck : WordOf<FrictionModel>(told.model);
   try {
     if (told.model == "auto") {
-      result.candidates = CompareFriction(result.log.samples, o);
+      result.candidates = CompareFriction(samples, o);
       result.fit = result.candidates.front();
     } else {
-      o.model = WordOf<FrictionModel>(told.model);
-      result.fit = FitFriction(result.log.samples, o);
+      result.fit = FitFriction(samples, o);
     }
   } catch (const Error& e) {
-    throw Error(result.log.joint + ": " + e.what());
+    result.candidates.clear();
+    result.fit = {};
+    result.fit.options = o;
+    result.fit.unidentified = {{"friction", e.what()}};
+    result.fit.least_velocity = LeastVelocityOf(samples, o);
+    result.fit.samples = CountSliding(samples, o).all();
   }
 }
 
@@ -150,6 +168,20 @@ class ReadLine {
   int shown_ = -1;
 };
 
+std::string ModelOf(const FrictionFit& fit) {
+  return Words(fit.options.model)[static_cast<std::size_t>(fit.options.model)];
+}
+
+/// Why a file has nothing of a joint; one reason speaks for itself.
+std::string WhyNothing(const FrictionFit& fit) {
+  std::string all;
+  for (const auto& [name, reason] : fit.unidentified)
+    all += (all.empty() ? "" : "; ") + (fit.unidentified.size() == 1 ? "" : name + ": ") + reason;
+  for (const FrictionEstimate& e : fit.estimates)
+    if (e.value < 0) all += (all.empty() ? "" : "; ") + e.name + ": " + Text(e.value) + " is < 0";
+  return all;
+}
+
 int IdentifyFriction(Told told) {
   // Before a long read, not after it.
   if (std::error_code none; !told.force && fs::exists(told.out, none))
@@ -179,6 +211,7 @@ int IdentifyFriction(Told told) {
       !told.robot.empty() ||
       std::ranges::any_of(told.reflected_inertia, [](double b) { return b != 0; });
   if (told.robot.empty() && told.torque_per_ampere.empty()) DrivesOf(told, {});
+  RequireDrives(told);
   source.progress = ReadLine{};
   const Samples samples = ReadSamples(source);
   const std::vector<DriveFigures> drives = DrivesOf(told, samples.joints);
@@ -203,12 +236,29 @@ int IdentifyFriction(Told told) {
   std::string logs;
   for (const std::string& log : told.logs) logs += (logs.empty() ? "" : ", ") + log;
   FrictionFile file{
-      .sources = told.logs, .model = told.model, .loss = told.loss, .directions = told.directions};
+      .sources = told.logs, .model = {}, .loss = told.loss, .directions = told.directions};
+  std::string lacking, models;
+  bool one_model = true;
   for (std::size_t i = 0; i < results.size(); ++i) {
+    const FrictionFit& fit = results[i].fit;
     std::fputs(FrictionText(results[i]).c_str(), stdout);
-    for (const std::string& joint : joints[i])
-      file.joints.push_back(results[i].fit.Identified(joint));
+    for (const std::string& joint : joints[i]) {
+      const IdentifiedFriction of = fit.Identified(joint);
+      if (!of.coulomb && !of.viscous && !of.stiction && !of.stribeck_velocity) {
+        lacking += (lacking.empty() ? "" : "\n") + joint + ": " + WhyNothing(fit);
+        continue;
+      }
+      file.joints.push_back(of);
+      if (models.empty()) file.model = ModelOf(fit);
+      one_model = one_model && file.model == ModelOf(fit);
+      models += (models.empty() ? "" : ", ") + joint + ": " + ModelOf(fit);
+    }
   }
+  if (!one_model) file.model = models;
+  if (file.joints.empty())
+    throw Error(lacking + "\nnothing was identified, so nothing was written");
+  if (!lacking.empty())
+    std::fprintf(stderr, "pliant: not written, for nothing was identified:\n%s\n", lacking.c_str());
   WriteFriction(file, told.out, told.force);
   std::printf("friction: %s\n", fs::absolute(told.out).lexically_normal().c_str());
   if (told.report.empty()) return 0;

@@ -57,7 +57,7 @@ struct IdentifiedFriction {
 /// What `pliant identify friction` writes and simulators and controllers load:
 ///
 ///   sources: [sweep.mcap]
-///   model: stribeck       # that of the fit
+///   model: stribeck       # that was fitted; "joint_1: stribeck, joint_2: …" where they differ
 ///   loss: cauchy
 ///   joints:
 ///     - joint: joint_1

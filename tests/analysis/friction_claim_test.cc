@@ -179,6 +179,19 @@ TEST(FrictionFigure, HasAPanelForEachActuatorSize) {
   EXPECT_NEAR(figure.panels[0].y_bands[0].to, 2.5, 0.05);
 }
 
+TEST(FrictionFigure, DrawsNothingThatWasNotIdentified) {
+  RunData run = Tested(2, 1.5, 2.5, 0.4);
+  std::vector<RecordedSignal> signals = run.log.signals();
+  // One speed does not tell c from d.
+  signals[1].numbers = 0.6 * signals[1].numbers.cwiseSign();
+  run.log = Recording(signals, {});
+  const Figure figure = FrictionFigure{.name = "f", .run = "run"}.Draw(Runs({&run}));
+  ASSERT_EQ(figure.panels.size(), 2u);
+  EXPECT_THAT(figure.panels[0].title, HasSubstr("c = – N·m, d = – N·m·s/rad, s = 2.5"));
+  EXPECT_EQ(figure.panels[0].curves.size(), 1u) << "the joint without a fit";
+  EXPECT_EQ(figure.panels[0].y_bands.size(), 1u);
+}
+
 TEST(FrictionIdentified, IsAboutAFrictionExperimentAndComplianceClaimsAreNot) {
   const auto error = [](const std::string& claim, const std::string& text = kText) {
     return ErrorOf(

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
+#include <random>
 
 #include "pliant/analysis/friction_report.h"
 
@@ -67,6 +69,58 @@ TEST(FrictionLog, KeepsAllOfALogWithoutSteps) {
   EXPECT_EQ(log.samples.velocity.size(), 1500);
 }
 
+/// A sine of 0.2 Hz for 15 s at 1 kHz against friction 2 + v.
+Samples Sine(double noise) {
+  Samples s;
+  s.joints = {"elbow"};
+  s.begin = {0};
+  const Index n = 15'000;
+  s.time = Eigen::VectorXd::LinSpaced(n, 0, 14.999);
+  s.velocity = s.acceleration = s.current = s.torque = Eigen::RowVectorXd::Zero(n);
+  std::mt19937 random(1);
+  std::normal_distribution<double> normal;
+  for (Index k = 0; k < n; ++k) {
+    const double v = std::sin(2 * std::numbers::pi * 0.2 * s.time(k) + 0.3);
+    s.current(k) = (std::copysign(2, v) + v) / 10;
+    s.velocity(k) = v + noise * normal(random);
+  }
+  return s;
+}
+
+TEST(FrictionLog, AReversalIsNoStepOfTheCurrent) {
+  for (const double noise : {0.0, 0.01}) {
+    const FrictionLog log = FrictionOf(Sine(noise), 0, kDrive);
+    EXPECT_EQ(log.steps, 0) << noise;
+    EXPECT_EQ(log.samples.velocity.size(), 15'000) << noise;
+  }
+}
+
+TEST(FrictionLog, AStepFromRestIsOneInNoise) {
+  Samples s = Steps();
+  std::mt19937 random(2);
+  std::normal_distribution<double> normal;
+  for (Index k = 0; k < s.time.size(); ++k) {
+    if (k < 500) {
+      s.velocity(k) = 0;
+      s.current(k) = 0.1;
+    }
+    s.velocity(k) += 0.01 * normal(random);
+  }
+  EXPECT_EQ(FrictionOf(s, 0, kDrive).steps, 2);
+}
+
+TEST(FrictionLog, TheBorderOfFilesIsNoStepOfTheCurrent) {
+  Samples s = Steps();
+  s.begin = {0, 700};
+  for (Index k = 0; k < s.time.size(); ++k) {
+    s.velocity(k) = k < 700 ? 0.2 : 1.0;
+    s.current(k) = k < 700 ? 0.27 : 0.35;
+  }
+  const FrictionLog log = FrictionOf(s, 0, kDrive);
+  EXPECT_EQ(log.steps, 0);
+  EXPECT_EQ(log.samples.velocity.size(), 1500);
+}
+
 TEST(FrictionLog, FindsWhereAJointAtRestBreaksAway) {
   Samples s = Steps();
   for (Index k = 0; k < s.time.size(); ++k) {
@@ -111,8 +165,21 @@ TEST(FrictionReport, ShowsWhatWasIdentifiedAndWhatWasNot) {
   const Report report = FrictionReport({result}, "a.csv", "1500 rows");
   ASSERT_EQ(report.figures.size(), 1u);
   EXPECT_EQ(report.figures[0].name, "friction_elbow");
-  EXPECT_EQ(report.figures[0].panels.size(), 2u);
+  // Without c there is no fit that could leave something.
+  EXPECT_EQ(report.figures[0].panels.size(), 1u);
   EXPECT_EQ(report.tables[0].rows.size(), 3u);
+}
+
+TEST(FrictionReport, BearsAJointOfWhichNothingIsKnown) {
+  FrictionResult result;
+  result.log = FrictionOf(Steps(), 0, kDrive);
+  result.fit.unidentified = {{"friction", "it stands still"}};
+  EXPECT_THAT(FrictionText(result), HasSubstr("friction is not identified: it stands still"));
+  EXPECT_THAT(FrictionText(result), testing::Not(HasSubstr("residual")));
+  // The samples alone, without a curve.
+  const Figure figure = FigureOf(result);
+  ASSERT_EQ(figure.panels.size(), 1u);
+  EXPECT_EQ(figure.panels[0].curves.size(), 1u);
 }
 
 }  // namespace

@@ -65,6 +65,24 @@ TEST_F(SampleSourceTest, ReadsWhatNumPyAndSpreadsheetsWrite) {
   }
 }
 
+TEST_F(SampleSourceTest, ARemarkIsOneWhateverTheDelimiter) {
+  SampleSource source = Whole(Write("# a remark\nt;v;a;i;m\n0;1;2;3;4\n"));
+  source.delimiter = ';';
+  EXPECT_EQ(ReadSamples(source).velocity(0), 1);
+  source.files = {Write("# t;v;a;i;m\n0;1;2;3;4\n")};
+  EXPECT_EQ(ReadSamples(source).velocity(0), 1);
+}
+
+TEST_F(SampleSourceTest, AnIndexNeedsNoName) {
+  for (const char* text : {"\tt\tv\ta\ti\tm\n7\t0\t1\t2\t3\t4\n", ",t,v,a,i,m\n7,0,1,2,3,4\n"})
+    EXPECT_EQ(ReadSamples(Whole(Write(text))).velocity(0), 1) << text;
+}
+
+TEST_F(SampleSourceTest, NamesACellOfOtherLetters) {
+  EXPECT_THAT(ErrorOfText("t,v,a,i,m\n0,1,2,3,4\n1,µ,2,3,4\n"),
+              HasSubstr("log.csv:3: expected a number in column 'v'"));
+}
+
 TEST_F(SampleSourceTest, FindsColumnsByNumber) {
   SampleSource source = Whole(Write("0,1,2,3,4\n1,5,6,7,8\n"));
   source.time = {{"1"}};
@@ -99,6 +117,13 @@ TEST_F(SampleSourceTest, FindsColumnsOfAllJointsByAPattern) {
   source.joints = {"elbow"};
   EXPECT_EQ(ErrorOf([&] { ReadSamples(source); }),
             "'elbow' is no number of a joint; the columns 'v{}' have numbers");
+  source.joints = {};
+  for (const char* pattern : {"v{+2147483647}", "v{-1001}", "v{+99999999999999999999}"}) {
+    source.velocity = {{pattern}};
+    EXPECT_EQ(ErrorOf([&] { ReadSamples(source); }),
+              "'" + std::string(pattern) +
+                  "': expected {}, {+N} or {-N} for the number of the joint, N ≤ 1000");
+  }
 }
 
 TEST_F(SampleSourceTest, KnowsTheColumnsOfOurOwnCsv) {
@@ -116,6 +141,26 @@ TEST_F(SampleSourceTest, KnowsTheColumnsOfOurOwnCsv) {
   EXPECT_THAT(ErrorOf([&] { ReadSamples(source); }),
               HasSubstr("there is no joint 'elbw' among the columns of the velocity; did you mean "
                         "'elbow'?"));
+}
+
+TEST_F(SampleSourceTest, RefusesColumnsOfOtherJoints) {
+  const auto file = Write(
+      "time (s),arm.measured_velocity[shoulder] (rad/s),arm.measured_velocity[elbow] (rad/s),"
+      "arm.measured_current[elbow] (A),arm.measured_current[shoulder] (A),"
+      "arm.measured_torque[shoulder] (N·m),arm.measured_torque[elbow] (N·m)\n0,1,2,3,4,5,6\n");
+  SampleSource source{.files = {file}, .need_acceleration = false};
+  EXPECT_EQ(ErrorOf([&] { ReadSamples(source); }),
+            file.string() +
+                ": the columns of the current must be of the same joints in the same order as "
+                "those of the velocity (shoulder, elbow), got (elbow, shoulder); name them in one "
+                "order with --joints, or say each column");
+  source.joints = {"elbow", "shoulder"};
+  EXPECT_EQ(ReadSamples(source).current, Eigen::Vector2d(3, 4));
+  EXPECT_EQ(ReadSamples(source).velocity, Eigen::Vector2d(2, 1));
+  // Columns that are listed name no joint.
+  source.joints = {};
+  source.current = {{"4", "5"}};
+  EXPECT_EQ(ReadSamples(source).current, Eigen::Vector2d(3, 4));
 }
 
 TEST_F(SampleSourceTest, TurnsUnitsIntoSi) {
@@ -219,6 +264,27 @@ TEST_F(SampleSourceTest, TakesNoDerivativeAcrossAGap) {
             (directory_.path() / "log.csv").string() +
                 ": a derivative needs 21 samples without a gap, got 2; make --window smaller, or "
                 "say the column of the acceleration");
+}
+
+TEST_F(SampleSourceTest, NamesStampsThatAreTooCoarse) {
+  const auto rounded = [&](int of, int rows) {
+    std::string text = "t,v,i,m\n";
+    for (int k = 0; k < rows; ++k)
+      text += Text(0.001 * (k / of * of)) + "," + Text(0.001 * k) + ",0,0\n";
+    return SampleSource{
+        .files = {Write(text)}, .velocity = {{"v"}}, .current = {{"i"}}, .torque = {{"m"}}};
+  };
+  EXPECT_EQ(ErrorOf([&] { ReadSamples(rounded(20, 200)); }),
+            (directory_.path() / "log.csv").string() +
+                " at 0 s: of 21 samples in a row the stamps show two times, 0.02 s apart, which is "
+                "their resolution: too coarse for a derivative, which needs three; make --window "
+                "greater, or say --sample-period instead of --time");
+  EXPECT_THAT(ErrorOf([&] { ReadSamples(rounded(100, 200)); }),
+              HasSubstr("the stamps show one time: too coarse"));
+  // Five times tell a slope; their mean error of 2 ms takes little of it over 20 ms.
+  const Samples samples = ReadSamples(rounded(5, 200));
+  EXPECT_EQ(samples.time.size(), 180);
+  EXPECT_NEAR(samples.acceleration.mean(), 1, 0.1);
 }
 
 TEST_F(SampleSourceTest, KeepsAnEvenShareOfWhatIsTooMuch) {

@@ -122,6 +122,58 @@ class Identify(InFolder):
                      "none.csv", *self.WHERE, *out)
         self.assertFalse((self.folder / "f.yaml").exists())
 
+    def test_one_direction_after_a_noisy_rest_has_the_whole_coulomb(self):
+        chance = random.Random(7)
+        rows = ["t,v1,i1,tau1"]
+        for k in range(5000):
+            v = 0 if k < 1000 else 0.6 - 0.55 * math.cos(2 * math.pi * 1e-3 * (k - 1000))
+            y = 0 if v == 0 else 3 + 2 * v
+            rows.append(f"{0.001 * k:.4f},{v + chance.gauss(0, 0.01):.7g},{y / KAPPA:.7g},"
+                        f"{chance.gauss(0, 0.05):.7g}")
+        self.write("log.csv", "\n".join(rows) + "\n")
+        self.ends(0, "identify", "friction", "log.csv", *self.WHERE, "--out", "f.yaml")
+        text = (self.folder / "f.yaml").read_text()
+        self.assertNotIn("offset", text)
+        self.assertAlmostEqual(float(re.search(r"^    coulomb: (\S+)", text, re.M)[1]), 3.0, delta=0.05)
+
+    def test_a_joint_that_stands_still_ends_nothing(self):
+        self.write_log()
+        rows = (self.folder / "log.csv").read_text().splitlines()
+        still = [rows[0]] + [",".join(row.split(",")[:4] + ["0", "0", "0"]) for row in rows[1:]]
+        self.write("log.csv", "\n".join(still) + "\n")
+        done = self.pliant("identify", "friction", "log.csv", *self.WHERE, "--out", "f.yaml",
+                           "--report", "report")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("friction is not identified: a fit of 4 parameters needs", done.stdout)
+        self.assertIn("joint_2: a fit of 4 parameters needs", done.stderr)
+        text = (self.folder / "f.yaml").read_text()
+        self.assertIn("joint_1", text)
+        self.assertNotIn("joint_2", text)
+        self.assertTrue((self.folder / "report/figures/friction_joint_2.svg").exists())
+
+    def test_writes_the_model_that_was_fitted(self):
+        self.write_log()
+        self.ends(0, "identify", "friction", "log.csv", *self.WHERE, "--out", "f.yaml")
+        self.assertIn('model: "joint_1: stribeck, joint_2: coulomb_viscous"',
+                      (self.folder / "f.yaml").read_text())
+        self.ends(0, "identify", "friction", "log.csv", *self.WHERE, "--joints", "1", "--out", "g.yaml")
+        self.assertIn('model: "stribeck"', (self.folder / "g.yaml").read_text())
+
+    def test_refuses_drives_that_are_none(self):
+        self.write_log()
+        log = ["identify", "friction", "log.csv", *self.WHERE[:-2], "--out", "f.yaml"]
+        for kappa in ("-11", "nan", "0", "inf"):
+            self.refuses_with("--torque-per-ampere must be > 0 N·m/A", *log, "--torque-per-ampere", kappa)
+        for inertia in ("-0.4", "nan"):
+            self.refuses_with("--reflected-inertia must be ≥ 0 kg·m²", *log, "--torque-per-ampere", "11",
+                              f"--reflected-inertia={inertia}")
+
+    def test_writes_no_joint_of_which_nothing_is_left(self):
+        self.write_log()
+        self.refuses_with("nothing was identified, so nothing was written", "identify", "friction",
+                          "log.csv", *self.WHERE, "--torque-unit=-Nm", "--current-unit=-A",
+                          "--model", "coulomb_viscous", "--out", "f.yaml")
+
     def test_writes_over_nothing_without_force(self):
         self.write_log()
         self.write("f.yaml", "mine")
