@@ -39,10 +39,10 @@ struct ConsistentFit {
 /// exp(θ_i) on its diagonal and six more θ above it: every θ is a body, and θ = 0 is the prior.
 /// d² = Σ (2 θ_ii)² + Σ 2 θ_ij² is, to second order, the square of the distance between P and P₀
 /// that does not depend on axes, origin and units (Lee & Park, IEEE RA-L 3(4), 2018). `deviation`
-/// is σ₀: every θ_ii has the deviation σ₀/2, and P_ii goes with e^{2θ_ii}, so 1 says that each second
-/// moment, and the mass, is off by about a factor of e, to first order by ± 100 %. The prior counts
-/// as much as one measurement that good: data with many rows overrule it, and it decides what they
-/// do not.
+/// is σ₀: every θ_ii has the deviation σ₀/2, and P_ii goes with e^{2θ_ii}, so 1 says that each
+/// second moment, and the mass, is off by about a factor of e, to first order by ± 100 %. The prior
+/// counts as much as one measurement that good: data with many rows overrule it, and it decides
+/// what they do not.
 ///
 /// Deviations are those of the linearised problem. `without` names columns of T whose numbers stay
 /// 0. A prior that fills no volume is given one, of 1 mm.

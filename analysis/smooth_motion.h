@@ -37,8 +37,9 @@ struct SmoothMotion {
 /// σ √(75/(8 f h³)).
 ///
 /// Stamps need no regular spacing. A row that repeats the numbers of the one before is stale and
-/// dropped, unless that lasts `repeat_s` or longer: then the arm rests and every row counts. A point needs six samples
-/// about it, a third of them on either side, and no hole wider than h among them.
+/// dropped, unless that lasts `repeat_s` or longer: then the arm rests and every row counts. A
+/// point needs six samples about it, a third of them on either side, and no hole wider than h among
+/// them.
 ///
 /// `samples` must have position, velocity and torque. Throws Error if no point is left, or if the
 /// step is less than the median time from row to row.

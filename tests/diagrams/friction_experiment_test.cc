@@ -78,8 +78,9 @@ TEST(FrictionExperiment, CoversTheSpeedsOfASimulatedGen3) {
     EXPECT_LT(course.slowest(j), -0.95 * 0.8 * 3.049) << j;
     EXPECT_LT(std::max(course.fastest(j), -course.slowest(j)), 3.049) << j;
   }
-  // The loop, p = 25 1/s, lets a joint of 0.22 kg·m² give 2 mrad to 1 N·m, more than others push.
-  EXPECT_LT(course.held_off, 2e-3);
+  // The loop, p = 8 1/s, lets a joint of 0.22 kg·m² give 1/(3 p² 0.22) = 24 mrad to 1 N·m. Joints
+  // that stick are pushed by less than half of that beyond their friction.
+  EXPECT_LT(course.held_off, 12e-3);
   for (const int j : {0, 1, 2, 3, 6})
     EXPECT_LT(std::max(course.fastest(j), -course.slowest(j)), 0.1) << j;
 }
