@@ -175,8 +175,8 @@ Table FrictionModels(const std::vector<FrictionResult>& results) {
   return table;
 }
 
-Report FrictionReport(const std::vector<FrictionResult>& results, const std::string& logs,
-                      const std::string& read) {
+Report FrictionReportOf(const std::vector<FrictionResult>& results, const std::string& logs,
+                        const std::string& read) {
   Report report{.title = "Identified friction",
                 .summary = "Friction of " + Text(results.size()) +
                            (results.size() == 1 ? " joint" : " joints") +

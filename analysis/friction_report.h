@@ -24,8 +24,8 @@ Figure FigureOf(const FrictionResult& result);
 Table FrictionTable(const std::vector<FrictionResult>& results);
 Table FrictionModels(const std::vector<FrictionResult>& results);
 
-Report FrictionReport(const std::vector<FrictionResult>& results, const std::string& logs,
-                      const std::string& read);
+Report FrictionReportOf(const std::vector<FrictionResult>& results, const std::string& logs,
+                        const std::string& read);
 
 /// A line for each parameter and each doubt, for a terminal.
 std::string FrictionText(const FrictionResult& result);

@@ -6,10 +6,12 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "pliant/analysis/friction_report.h"
+#include "pliant/analysis/friction_run.h"
 #include "pliant/analysis/sample_source.h"
 #include "pliant/apps/commands.h"
 #include "pliant/apps/sample_column_options.h"
@@ -182,6 +184,66 @@ std::string WhyNothing(const FrictionFit& fit) {
   return all;
 }
 
+/// What logs say of joints, for a fit, and a line about the logs.
+struct ReadJoints {
+  std::vector<TestedDrive> joints;
+  std::string text;
+};
+
+/// Of logs of !FrictionExperiment, which say themselves which samples are steady; none of others,
+/// or if other columns or motors are asked for.
+std::optional<ReadJoints> ReadTestedJoints(const Told& told) {
+  const SampleSource& source = told.source;
+  for (const SampleColumns* columns : {&source.time, &source.position, &source.velocity,
+                                       &source.acceleration, &source.current, &source.torque})
+    if (!columns->names.empty()) return std::nullopt;
+  if (!told.torque_per_ampere.empty() || !told.reflected_inertia.empty()) return std::nullopt;
+  ReadJoints read;
+  std::int64_t rows = 0;
+  for (const std::filesystem::path& file : source.files) {
+    const std::optional<RunData> run = FrictionRunOf(file);
+    if (!run) return std::nullopt;
+    rows += run->times().size();
+    for (TestedDrive& joint : TestedDrivesOf(*run)) {
+      const std::string& name = joint.log.joint;
+      if (!source.joints.empty() && std::ranges::find(source.joints, name) == source.joints.end())
+        continue;
+      const auto same = [&](const TestedDrive& other) { return other.log.joint == name; };
+      Require(std::ranges::none_of(read.joints, same),
+              name + " is tested in two of the logs; expected it in one");
+      read.joints.push_back(std::move(joint));
+    }
+  }
+  std::vector<std::string> tested;
+  for (const TestedDrive& joint : read.joints) tested.push_back(joint.log.joint);
+  for (const std::string& name : source.joints)
+    if (std::ranges::find(tested, name) == tested.end())
+      throw Error("the logs test no joint '" + name + "'" + DidYouMean(name, tested));
+  if (read.joints.empty()) throw Error("the logs are of friction tests that tested no joint");
+  read.text = Text(rows) + " rows of a friction test, its steady samples and break-aways";
+  return read;
+}
+
+/// Of any logs.
+ReadJoints ReadSampledJoints(Told& told) {
+  SampleSource& source = told.source;
+  // Without a rotor there is nothing to take an acceleration for.
+  source.need_acceleration =
+      !told.robot.empty() ||
+      std::ranges::any_of(told.reflected_inertia, [](double b) { return b != 0; });
+  if (told.robot.empty() && told.torque_per_ampere.empty()) DrivesOf(told, {});
+  RequireDrives(told);
+  source.progress = ReadLine{};
+  const Samples samples = ReadSamples(source);
+  const std::vector<DriveFigures> drives = DrivesOf(told, samples.joints);
+  ReadJoints read{.joints = {}, .text = samples.text()};
+  for (std::size_t j = 0; j < drives.size(); ++j)
+    read.joints.push_back(
+        {.log = FrictionOf(samples, static_cast<Eigen::Index>(j), drives[j], told.least_velocity),
+         .drive = drives[j]});
+  return read;
+}
+
 int IdentifyFriction(Told told) {
   // Before a long read, not after it.
   if (std::error_code none; !told.force && fs::exists(told.out, none))
@@ -206,27 +268,21 @@ int IdentifyFriction(Told told) {
                        : told.delimiter == "space" ? ' '
                                                    : told.delimiter[0];
   }
-  // Without a rotor there is nothing to take an acceleration for.
-  source.need_acceleration =
-      !told.robot.empty() ||
-      std::ranges::any_of(told.reflected_inertia, [](double b) { return b != 0; });
-  if (told.robot.empty() && told.torque_per_ampere.empty()) DrivesOf(told, {});
-  RequireDrives(told);
-  source.progress = ReadLine{};
-  const Samples samples = ReadSamples(source);
-  const std::vector<DriveFigures> drives = DrivesOf(told, samples.joints);
-  std::printf("read: %s\n", samples.text().c_str());
+  const std::optional<ReadJoints> tested = ReadTestedJoints(told);
+  const ReadJoints read = tested ? *tested : ReadSampledJoints(told);
+  std::printf("read: %s\n", read.text.c_str());
 
   std::vector<FrictionResult> results;
+  std::vector<DriveFigures> drives;
   std::vector<std::vector<std::string>> joints;
-  for (std::size_t j = 0; j < samples.joints.size(); ++j) {
-    FrictionResult result;
-    result.log = FrictionOf(samples, static_cast<Eigen::Index>(j), drives[j], told.least_velocity);
+  for (const TestedDrive& joint : read.joints) {
+    FrictionResult result{.log = joint.log, .fit = {}};
     for (const std::string& doubt : result.log.doubts)
       std::fprintf(stderr, "pliant: %s: %s\n", result.log.joint.c_str(), doubt.c_str());
     Fit(told, result);
     joints.push_back({result.log.joint});
     results.push_back(std::move(result));
+    drives.push_back(joint.drive);
   }
   if (told.pool) {
     joints.clear();
@@ -267,7 +323,7 @@ int IdentifyFriction(Told told) {
   if (error)
     throw Error("cannot make the directory " + told.report.string() + ": " + error.message());
   try {
-    WriteReport(FrictionReport(results, logs, samples.text()), told.report);
+    WriteReport(FrictionReportOf(results, logs, read.text), told.report);
   } catch (const Error& e) {
     throw CannotGoOn(e.what());
   }

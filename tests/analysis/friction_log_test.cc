@@ -162,7 +162,7 @@ TEST(FrictionReport, ShowsWhatWasIdentifiedAndWhatWasNot) {
   EXPECT_THAT(text, HasSubstr("elbow: coulomb_viscous, "));
   EXPECT_THAT(text, HasSubstr("coulomb is not identified: with one direction only, an offset is "
                               "not told from coulomb"));
-  const Report report = FrictionReport({result}, "a.csv", "1500 rows");
+  const Report report = FrictionReportOf({result}, "a.csv", "1500 rows");
   ASSERT_EQ(report.figures.size(), 1u);
   EXPECT_EQ(report.figures[0].name, "friction_elbow");
   // Without c there is no fit that could leave something.

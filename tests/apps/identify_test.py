@@ -183,5 +183,30 @@ class Identify(InFolder):
         self.assertIn("joints:", (self.folder / "f.yaml").read_text())
 
 
+class OwnLog(InFolder):
+    """The command on a log of a friction test: a simulated Gen3, joint 5 alone."""
+
+    def test_finds_the_friction_of_the_joints_that_were_tested_and_of_no_other(self):
+        self.write("test.yaml", """title: t
+robot: gen3
+station: !SimulatedArm {position: [0, 0, 0, 0, 0, 0, 0], engine: recursive}
+controller: !FrictionExperiment
+  {joints: [joint_5], speeds: 3, settle_s: 0.3, dwell_s: 0.3, ramp_s: 1, break_aways: 2}
+integrator: {method: dormand_prince}
+duration_s: 30
+""")
+        self.ends(0, "run", "test.yaml", "--out", "out")
+        told = self.ends(0, "identify", "friction", "out/logs/run.mcap", "--model", "coulomb_viscous", "--out", "f.yaml")
+        self.assertIn("rows of a friction test, its steady samples and break-aways", told)
+        self.assertNotIn("joint_1", told)
+        found = {line.split()[0]: float(line.split()[1]) for line in told.splitlines()
+                 if line.startswith(("  coulomb ", "  viscous "))}
+        # Half a second at each of six speeds with 0.1 N·m of noise and a drift of the sensor of 0.04 N·m.
+        self.assertAlmostEqual(found["coulomb"], 1.25, delta=0.05)
+        self.assertAlmostEqual(found["viscous"], 1.1, delta=0.05)
+        self.assertIn("the logs test no joint 'joint_6'",
+                      self.ends(2, "identify", "friction", "out/logs/run.mcap", "--joints", "joint_6", "--out", "g.yaml"))
+
+
 if __name__ == "__main__":
     main()
