@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <vector>
 
 #include "pliant/diagrams/scenario.h"
@@ -74,15 +75,22 @@ struct Ran {
   long allocations = 0;
 };
 
-/// Motors are at most moved by as much as they are anyway, and by 1 N·m, where the control changes;
-/// later, of an ideal arm by what a push changes, and of a real one by friction compensation that
-/// turns its sign, 2 · 3 N·m, and the noise of sensors through the gains, some 2 N·m.
+/// Motors are at no tick moved by more than they are anyway under the control before or after the
+/// change, and by 1 N·m: the fade goes through the 2 · 39 N·m between two loops of the largest
+/// motors in 500 ticks, 0.16 N·m each; the rest is for other noise of the sensors. Ticks after the
+/// change differ on a real arm, where friction compensation turns its sign, 2 · 3 N·m, and noise
+/// comes through the gains, some 2 N·m.
 void ExpectNoJump(const Case& c) {
   using enum ArmControl;
-  const double at_any_tick = c.ideal ? 1.5 : 8;
+  std::map<ArmControl, Ran> stay;
+  for (const ArmControl same : {Position, KinovaTorque, ProposedTorque})
+    stay.emplace(same, Ran(Changing(c, same, same), 300));
+  const auto usual_of = [&](ArmControl same) {
+    return *std::ranges::max_element(stay.at(same).jumps);
+  };
   for (const ArmControl from : {Position, KinovaTorque, ProposedTorque}) {
-    const Ran stays(Changing(c, from, from), 300);
-    const double usual = *std::ranges::max_element(stays.jumps);
+    const Ran& stays = stay.at(from);
+    const double usual = usual_of(from);
     for (const ArmControl to : {Position, KinovaTorque, ProposedTorque}) {
       if (from == to) continue;
       const Ran ran(Changing(c, from, to), to == Position ? 1500 : 400);
@@ -90,13 +98,17 @@ void ExpectNoJump(const Case& c) {
       ASSERT_GE(ran.arrived, 0);
       const auto at = static_cast<std::size_t>(ran.arrived);
       EXPECT_LT(std::max(ran.jumps[at], ran.jumps[at + 1]), usual + 1);
-      EXPECT_LT(*std::ranges::max_element(ran.jumps), at_any_tick);
+      EXPECT_LT(*std::ranges::max_element(ran.jumps),
+                c.ideal ? std::max(usual, usual_of(to)) + 1 : 8);
       if (to == Position) {
-        // It brakes where it is; the swing then goes on.
+        // It brakes where it is: a tenth of the 0.19 m that the push moves it. A swing then goes
+        // on, which takes it 0.1 m from its middle.
         EXPECT_LT((ran.tool.back() - ran.tool.front()).norm(), c.dynamic ? 0.12 : 0.02);
         continue;
       }
       EXPECT_EQ(ran.arrived, 0);
+      // In the 0.3 s the loops' friction leaves the arm up to 18 mm apart, of 0.19 m that the push
+      // moves it; a loop that did not take over would leave more.
       for (std::size_t k = 0; k < stays.tool.size(); ++k)
         ASSERT_LT((ran.tool[k] - stays.tool[k]).norm(), 0.025) << k;
     }
@@ -138,7 +150,7 @@ TEST(ControlSwitching, LetsNothingBuildUpInALoopThatDoesNotMoveTheArm) {
   const Diagram diagram = scene.builder.Build();
   const auto& slots = diagram.plan().slots;
   const auto current = std::ranges::find_if(slots, [](const internal::Slot& slot) {
-    return slot.value->path() == "control.kinova.motor.current";
+    return slot.value && slot.value->path() == "control.kinova.motor.current";
   });
   ASSERT_NE(current, slots.end());
   const auto& kinova = static_cast<const Output<MotorCurrent>&>(*current->value);
@@ -187,25 +199,29 @@ TEST(ControlSwitching, RefusesControlsThatContradictTheRest) {
   };
   using O = ComplianceControl::Options;
   EXPECT_EQ(error([](Scenario&, O&) {}), "no error");
-  EXPECT_EQ(
-      error([](Scenario&, O& o) { o.modes->control = {}; }),
-      "control: modes.control must be given where a change of modes has a control: what moves "
-      "the arm at the start");
+  EXPECT_EQ(error([](Scenario&, O& o) { o.modes->control = {}; }),
+            "control: modes.control must be given where a change of modes has "
+            "a control: what moves "
+            "the arm at the start");
   EXPECT_EQ(error([](Scenario&, O& o) { o.modes->kinova_loop = {}; }),
-            "control: modes.kinova_loop must be given for the control kinova_torque: its gains are "
+            "control: modes.kinova_loop must be given for the control "
+            "kinova_torque: its gains are "
             "not published");
   EXPECT_EQ(error([](Scenario&, O& o) { o.command = ArmCommand::Position; }),
-            "control: modes.control says what moves the arm; expected no command beside it");
+            "control: modes.control says what moves the arm; expected no "
+            "command beside it");
   EXPECT_EQ(error([](Scenario&, O& o) {
               o.torque_loop = KinovaHighVelocityLoop{.feedforward = 1, .gain = 1};
             }),
-            "control: modes.control changes between torque_loop and modes.kinova_loop, so "
+            "control: modes.control changes between torque_loop and "
+            "modes.kinova_loop, so "
             "torque_loop must be !Proposed");
   EXPECT_EQ(error([](Scenario&, O& o) { o.modes->pad = PadEvents{}; }),
-            "control: modes.pad says what is wanted; expected no modes.changes beside it");
-  EXPECT_EQ(
-      error([](Scenario& s, O&) { s.schedule = {{.at_s = 1, .mode = ControlMode::Torque}}; }),
-      "controller.modes.control says what mode the arm is in; expected no schedule beside it");
+            "control: modes.pad says what is wanted; expected no modes.changes "
+            "beside it");
+  EXPECT_EQ(error([](Scenario& s, O&) { s.schedule = {{.at_s = 1, .mode = ControlMode::Torque}}; }),
+            "controller.modes.control says what mode the arm is in; expected "
+            "no schedule beside it");
 }
 
 }  // namespace
