@@ -91,6 +91,9 @@ void FrictionIdentifier::Solve(IdentifiedJoints& found, const Memory& m) const {
     put("stiction", found.stiction, found.stiction_error);
     put("stribeck_velocity", found.stribeck_velocity, found.stribeck_error);
     put("offset", found.offset, found.offset_error);
+    const FrictionEstimate *c = fit.Find("coulomb"), *d = fit.Find("viscous");
+    if (c && d)
+      found.coulomb_viscous(j) = fit.covariance(c - fit.estimates.data(), d - fit.estimates.data());
     found.residual(j) = fit.scale;
     found.lack_of_fit(j) = fit.lack_of_fit;
     found.status(j) = static_cast<double>(

@@ -23,7 +23,8 @@ struct IdentifiedJoints {
   PerJoint coulomb, viscous, stiction, stribeck_velocity, offset;
   /// Their standard errors.
   PerJoint coulomb_error, viscous_error, stiction_error, stribeck_error, offset_error;
-  PerJoint residual;  ///< σ of what is left [N·m]
+  PerJoint coulomb_viscous;  ///< covariance of the two that a compensation uses
+  PerJoint residual;         ///< σ of what is left [N·m]
   PerJoint lack_of_fit;
   PerJoint status;  ///< a FrictionStatus
 
@@ -39,6 +40,7 @@ struct IdentifiedJoints {
     f("stiction_error", stiction_error, "N·m");
     f("stribeck_error", stribeck_error, "rad/s");
     f("offset_error", offset_error, "N·m");
+    f("coulomb_viscous", coulomb_viscous, "N²·m²·s/rad");
     f("residual", residual, "N·m");
     f("lack_of_fit", lack_of_fit, "N·m");
     f("status", status, "");

@@ -56,6 +56,9 @@ TEST(FrictionIdentifier, FindsTheFrictionOfAllJointsWhenItIsTriggered) {
   EXPECT_NEAR(found.offset(0), 0.25, 0.02);
   EXPECT_NEAR(found.offset(1), 0, 0.02);
   EXPECT_LT(found.residual(0), 0.02);
+  // More Coulomb friction is less viscous friction at the speeds that were seen.
+  EXPECT_LT(found.coulomb_viscous(0), 0);
+  EXPECT_LT(std::abs(found.coulomb_viscous(0)), found.coulomb_error(0) * found.viscous_error(0));
 }
 
 TEST(FrictionIdentifier, SolvesOnceForEachTimeTheTriggerRises) {
