@@ -188,6 +188,7 @@ class OwnLog(InFolder):
 
     def test_finds_the_friction_of_the_joints_that_were_tested_and_of_no_other(self):
         self.write("test.yaml", """title: t
+summary: s
 robot: gen3
 station: !SimulatedArm {position: [0, 0, 0, 0, 0, 0, 0], engine: recursive}
 controller: !FrictionExperiment
