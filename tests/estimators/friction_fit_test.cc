@@ -199,7 +199,8 @@ TEST(FrictionFit, IntervalsHoldWhereNeighboursAreAlike) {
     covered += fit["coulomb"].low <= p.coulomb && p.coulomb <= fit["coulomb"].high;
     inefficiency += fit.inefficiency / 200;
   }
-  EXPECT_GE(covered, 176);
+  // A binomial of 200 at 0.95 is below 180 or above 199 once in 500 times.
+  EXPECT_GE(covered, 180);
   EXPECT_LE(covered, 199);
   EXPECT_NEAR(inefficiency, (1 + std::exp(-1 / 40.0)) / (1 - std::exp(-1 / 40.0)), 30);
 }
