@@ -14,6 +14,7 @@
 #include "pliant/analysis/friction_run.h"
 #include "pliant/analysis/sample_source.h"
 #include "pliant/apps/commands.h"
+#include "pliant/apps/new_report.h"
 #include "pliant/apps/sample_column_options.h"
 #include "pliant/apps/says_something.h"
 #include "pliant/plants/robot_model.h"
@@ -248,17 +249,7 @@ int IdentifyFriction(Told told) {
   // Before a long read, not after it.
   if (std::error_code none; !told.force && fs::exists(told.out, none))
     throw Error(told.out.string() + " exists; give --force to write over it, or another --out");
-  if (!told.report.empty()) {
-    for (const char* name : {"report.html", "verdict.json"})
-      if (std::error_code none; !told.force && fs::exists(told.report / name, none))
-        throw Error((told.report / name).string() +
-                    " exists; give --force to write over it, or another --report");
-    try {
-      RequireGnuplot();
-    } catch (const Error& e) {
-      throw CannotGoOn(e.what());
-    }
-  }
+  RequireNewReport(told.report, told.force);
   SampleSource& source = told.source;
   source.files.assign(told.logs.begin(), told.logs.end());
   if (!told.delimiter.empty()) {

@@ -9,6 +9,7 @@
 #include "pliant/analysis/dynamics_report.h"
 #include "pliant/analysis/sample_source.h"
 #include "pliant/apps/commands.h"
+#include "pliant/apps/new_report.h"
 #include "pliant/apps/sample_column_options.h"
 #include "pliant/apps/says_something.h"
 #include "pliant/diagrams/scenario.h"
@@ -36,22 +37,6 @@ fs::path UrdfOf(const Told& told) {
   Scenario scenario;
   scenario.robot = told.robot;
   return UrdfOf(scenario);
-}
-
-/// Before a long read, not after it.
-void RequireNewReport(const Told& told) {
-  if (told.report.empty()) return;
-  if (std::error_code none; fs::exists(told.report, none) && !fs::is_directory(told.report, none))
-    throw Error("--report wants a folder, and " + told.report.string() + " is none");
-  for (const char* name : {"report.html", "verdict.json"})
-    if (std::error_code none; !told.force && fs::exists(told.report / name, none))
-      throw Error((told.report / name).string() +
-                  " exists; give --force to write over it, or another --report");
-  try {
-    RequireGnuplot();
-  } catch (const Error& e) {
-    throw CannotGoOn(e.what());
-  }
 }
 
 /// A log with names of joints has those of the robot; where it has none they are numbered.
@@ -86,7 +71,7 @@ int Identify(Told told) {
     (term == "coulomb" ? terms.coulomb : term == "viscous" ? terms.viscous : terms.offset) = false;
   }
   if (!told.out.empty()) RequireIdentifiedFile(told.out, !told.options.payload.empty(), told.force);
-  RequireNewReport(told);
+  RequireNewReport(told.report, told.force);
   const fs::path urdf = UrdfOf(told);
   const RobotModel model = RobotModel::FromUrdf(urdf);
   const Samples samples = Read(told, told.source.files, model);
