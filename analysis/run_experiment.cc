@@ -274,10 +274,39 @@ std::vector<Setting> SettingsOf(const FrictionExperiment::Options& c) {
           {"compliance", "none"}};
 }
 
+std::vector<Setting> SettingsOf(const ContactControl::Options& c) {
+  const auto text = [](const TaskMatrix& given, const std::string& unit) {
+    return given.size() == 0 ? std::string("natural") : MatrixText(given) + " " + unit;
+  };
+  std::string behavior;
+  if (const auto* impedance = std::get_if<ContactImpedance::Gains>(&c.behavior)) {
+    behavior = "impedance: M_d " + text(impedance->inertia, "kg") + ", K_d " +
+               text(impedance->damping, "N·s/m") + ", K_p " + text(impedance->stiffness, "N/m");
+  } else {
+    const auto& force = std::get<ContactForceControl::Settings>(c.behavior);
+    behavior = "force control: M_d " + text(force.inertia, "kg") + ", K_d " +
+               text(force.damping, "N·s/m") + ", K_f " + text(force.force_gain, "") + "; guard " +
+               Text(force.speed_limit) + " m/s, " + Text(force.way_limit) + " m";
+  }
+  return {{"controller", "contacts at " + c.period.text() + ", " + behavior},
+          {"limits", "torques of the joints"},
+          {"estimator", "momentum observer, K_I = " + Text(c.observer_gain) +
+                            " 1/s, its offset taken from " + Text(c.tare_from_s) + " s to " +
+                            Text(c.tare_until_s) + " s; contact above " + MatrixText(c.threshold) +
+                            " N·m"},
+          {"compliance", "none"}};
+}
+
 /// What makes currents of torques.
 std::string LoopOf(const ArmController& controller) {
-  const auto* c = std::get_if<ComplianceControl::Options>(&controller);
-  return c ? ", " + TorqueLoopText(c->torque_loop) : "";
+  return std::visit(
+      [](const auto& c) {
+        if constexpr (requires { c.torque_loop; })
+          return ", " + TorqueLoopText(c.torque_loop);
+        else
+          return std::string();
+      },
+      controller);
 }
 
 std::vector<Setting> SettingsOfRun(const RunData& run) {

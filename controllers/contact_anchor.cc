@@ -6,6 +6,8 @@ ContactAnchor::ContactAnchor(const Options& o)
     : contacts{this, "contacts"},
       dynamics{this, "dynamics", o.model.joints()},
       contact{this, "contact"},
+      error{this, "error"},
+      velocity{this, "velocity"},
       model_{o.model},
       place_{static_cast<std::size_t>(o.place)},
       same_point_{o.same_point},
@@ -14,6 +16,21 @@ ContactAnchor::ContactAnchor(const Options& o)
   RequireInRange("", "same_point", o.same_point, "m", kNotNegative);
   Every(o.period).Compute(memory_).From(memory_, contacts, dynamics).As(&ContactAnchor::Next);
   Compute(contact).From(memory_).As([](const Memory& m) { return m.contact; });
+  Compute(error).From(contact, dynamics).As(&ContactAnchor::Error);
+  Compute(velocity).From(contact, dynamics).As(&ContactAnchor::Velocity);
+}
+
+PointMotion ContactAnchor::Motion(const AnchoredContact& c, const RobotDynamics& d) const {
+  if (!IsLink(model_, c.link)) return {c.anchor, Eigen::Vector3d::Zero()};
+  return MotionOf(model_, d, c.link, c.point);
+}
+
+Position ContactAnchor::Error(const AnchoredContact& c, const RobotDynamics& d) const {
+  return c.anchor - Motion(c, d).position;
+}
+
+LinearVelocity ContactAnchor::Velocity(const AnchoredContact& c, const RobotDynamics& d) const {
+  return Motion(c, d).velocity;
 }
 
 ContactAnchor::Memory ContactAnchor::Next(const Memory& last, const Contacts& all,

@@ -70,9 +70,14 @@ class ContactAnchor final : public Block {
   Input<Contacts> contacts;  ///< with F̂
   Input<RobotDynamics> dynamics;
   Output<AnchoredContact> contact;
+  Output<Position> error;           ///< x_d − x_c; 0 without a point
+  Output<LinearVelocity> velocity;  ///< ẋ_c; 0 without a point
 
  private:
   Memory Next(const Memory& last, const Contacts& contacts, const RobotDynamics& d) const;
+  PointMotion Motion(const AnchoredContact& c, const RobotDynamics& d) const;
+  Position Error(const AnchoredContact& c, const RobotDynamics& d) const;
+  LinearVelocity Velocity(const AnchoredContact& c, const RobotDynamics& d) const;
 
   const RobotModel model_;
   const std::size_t place_;

@@ -22,7 +22,6 @@ ContactForceControl::ContactForceControl(const Options& o)
       dynamics{this, "dynamics", o.model.joints()},
       status{this, "status", {}, Status::Idle},
       wanted{this, "wanted"},
-      velocity{this, "velocity"},
       objective{this, "objective", o.model.joints(), Objective::Zero(3, o.model.size())},
       model_{o.model},
       settings_{o.settings},
@@ -40,7 +39,6 @@ ContactForceControl::ContactForceControl(const Options& o)
   Every(o.period).Compute(memory_).From(memory_, contact, dynamics).As(&ContactForceControl::Next);
   Compute(status).From(memory_).As([](const Memory& m) { return m.status; });
   Compute(wanted).From(memory_, contact).As(&ContactForceControl::Wanted);
-  Compute(velocity).From(contact, dynamics).As(&ContactForceControl::Velocity);
   Compute(objective).From(memory_, contact, dynamics, wanted).As(&ContactForceControl::Want);
 }
 
@@ -73,12 +71,6 @@ Force ContactForceControl::Wanted(const Memory& m, const AnchoredContact& c) con
   if (const FixedForce* fixed = std::get_if<FixedForce>(&settings_.wanted)) return fixed->force;
   const CompatibleForce& compatible = std::get<CompatibleForce>(settings_.wanted);
   return compatible.force / std::max(c.force.norm(), compatible.floor) * c.force;
-}
-
-LinearVelocity ContactForceControl::Velocity(const AnchoredContact& c,
-                                             const RobotDynamics& d) const {
-  if (!IsLink(model_, c.link)) return LinearVelocity();
-  return MotionOf(model_, d, c.link, c.point).velocity;
 }
 
 void ContactForceControl::Want(Objective& out, const Memory& m, const AnchoredContact& c,

@@ -86,10 +86,13 @@ struct CompatibleForce {
 class ContactForceControl final : public Block {
  public:
   struct Settings {
+    static constexpr const char* kTag = "Force";
+
     std::variant<FixedForce, CompatibleForce> wanted = CompatibleForce{};
-    TaskMatrix inertia = {};     ///< M_d, as ContactInertia has it; empty: the natural one
-    TaskMatrix damping = {};     ///< K_d [N·s/m], a number, a diagonal or a matrix, ⪰ 0
-    TaskMatrix force_gain = {};  ///< K_f, the same way
+    TaskMatrix inertia = {};  ///< M_d, as ContactInertia has it; empty: the natural one
+    /// K_d [N·s/m], a number, a diagonal or a matrix, ⪰ 0
+    TaskMatrix damping = TaskMatrix::Constant(1, 1, 10.5);
+    TaskMatrix force_gain = TaskMatrix::Constant(1, 1, 4.1);      ///< K_f, the same way
     TaskMatrix hold_stiffness = TaskMatrix::Constant(1, 1, 500);  ///< K_h [N/m], the same way
     TaskMatrix hold_damping = TaskMatrix::Constant(1, 1, 80);     ///< D_h [N·s/m], the same way
     double speed_limit = 0.5;                                     ///< [m/s]
@@ -132,14 +135,12 @@ class ContactForceControl final : public Block {
   Input<AnchoredContact> contact;
   Input<RobotDynamics> dynamics;
   Output<ContactForceStatus> status;
-  Output<Force> wanted;             ///< F_d; 0 unless it regulates
-  Output<LinearVelocity> velocity;  ///< ẋ_c; 0 without a point
+  Output<Force> wanted;  ///< F_d; 0 unless it regulates
   Output<Objective> objective;
 
  private:
   Memory Next(const Memory& last, const AnchoredContact& c, const RobotDynamics& d) const;
   Force Wanted(const Memory& m, const AnchoredContact& c) const;
-  LinearVelocity Velocity(const AnchoredContact& c, const RobotDynamics& d) const;
   void Want(Objective& out, const Memory& m, const AnchoredContact& c, const RobotDynamics& d,
             const Force& F_d) const;
 

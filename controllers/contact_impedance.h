@@ -27,9 +27,12 @@ namespace pliant {
 class ContactImpedance final : public Block {
  public:
   struct Gains {
-    TaskMatrix inertia = {};    ///< M_d, as ContactInertia has it; empty: the natural one
-    TaskMatrix damping = {};    ///< K_d [N·s/m], a number, a diagonal or a matrix, ⪰ 0
-    TaskMatrix stiffness = {};  ///< K_p [N/m], the same way
+    static constexpr const char* kTag = "Impedance";
+
+    TaskMatrix inertia = {};  ///< M_d, as ContactInertia has it; empty: the natural one
+    /// K_d [N·s/m], a number, a diagonal or a matrix, ⪰ 0
+    TaskMatrix damping = TaskMatrix::Constant(1, 1, 80);
+    TaskMatrix stiffness = TaskMatrix::Constant(1, 1, 500);  ///< K_p [N/m], the same way
 
     template <class F>
     void Parameters(F&& f) {

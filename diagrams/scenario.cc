@@ -122,6 +122,8 @@ void Complete(FrictionExperiment::Options& control, const Scenario& scenario,
           scenario.duration_s);
 }
 
+void Complete(ContactControl::Options&, const Scenario&, const SimulatedArm::Options&) {}
+
 /// The mode of the arm that a controller is made for.
 ControlMode TorqueMode(const std::optional<LowLevelTorque::Options>& motors) {
   return motors ? ControlMode::Current : ControlMode::Torque;
@@ -131,6 +133,7 @@ ControlMode ModeOf(const ComplianceControl::Options& control) {
                                                  : TorqueMode(control.low_level);
 }
 ControlMode ModeOf(const FrictionExperiment::Options&) { return ControlMode::Current; }
+ControlMode ModeOf(const ContactControl::Options& control) { return TorqueMode(control.low_level); }
 
 /// What of a controller is worth a place in the log.
 std::vector<const internal::Value*> RecordedOf(const ComplianceControl& control,
@@ -151,6 +154,18 @@ std::vector<const internal::Value*> RecordedOf(const FrictionExperiment& control
                                                const FrictionExperiment::Options&) {
   return {&control.current,       &control.torque,          &control.reference,
           &control.break_away_up, &control.break_away_down, &control.report};
+}
+
+std::vector<const internal::Value*> RecordedOf(const ContactControl& control,
+                                               const ContactControl::Options&) {
+  std::vector<const internal::Value*> values{
+      &control.torque,       &control.current,  &control.torque_error,    &control.saturated,
+      &control.acceleration, &control.residual, &control.touched,         &control.link,
+      &control.contact,      &control.report,   &control.external_torque, &control.observability};
+  for (const ContactPlace* place : control.places)
+    values.insert(values.end(), {&place->error, &place->velocity, &place->force,
+                                 &place->force_error, &place->wanted, &place->status});
+  return values;
 }
 
 Duration Seconds(double s) {
@@ -377,9 +392,10 @@ ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<Recor
   for (const EnvironmentPart& part : scenario.environment) std::visit(environment, part);
   if (compliance)
     control = &b.Add<ComplianceControl>("control", *compliance);
+  else if (const auto* test = std::get_if<FrictionExperiment::Options>(&controller))
+    friction = &b.Add<FrictionExperiment>("control", *test);
   else
-    friction =
-        &b.Add<FrictionExperiment>("control", std::get<FrictionExperiment::Options>(controller));
+    contact = &b.Add<ContactControl>("control", std::get<ContactControl::Options>(controller));
   auto& tool = b.Add<ToolMotion>("tool", station.model.joints());
   const bool switches = compliance && compliance->modes && compliance->modes->control;
   Require(!switches || scenario.schedule.empty(),
@@ -420,8 +436,10 @@ ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<Recor
     connect(*control);
     if (compliance->command == ArmCommand::Position || switches)
       b.Connect(control->position, arm->position_command);  // else it holds its start
-  } else {
+  } else if (friction) {
     connect(*friction);
+  } else {
+    connect(*contact);
   }
   b.Connect(arm->motion, tool.motion);
   b.Connect(switches ? control->arm_mode : schedule->mode, arm->mode);
@@ -436,10 +454,15 @@ ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<Recor
          arm->measured_current, arm->wrench, arm->status, arm->position, arm->velocity,
          arm->joint_torque, arm->energy, tool.position, tool.pose, tool.twist, true_torque->torque);
   if (schedule) record(schedule->mode);
-  for (const internal::Value* value :
-       control ? RecordedOf(*control, *compliance)
-               : RecordedOf(*friction, std::get<FrictionExperiment::Options>(controller)))
-    b.Connect(*value, recorder.in);
+  const auto record_all = [&](const auto& of) {
+    for (const internal::Value* value : of) b.Connect(*value, recorder.in);
+  };
+  if (control)
+    record_all(RecordedOf(*control, *compliance));
+  else if (friction)
+    record_all(RecordedOf(*friction, std::get<FrictionExperiment::Options>(controller)));
+  else
+    record_all(RecordedOf(*contact, std::get<ContactControl::Options>(controller)));
 }
 
 }  // namespace pliant

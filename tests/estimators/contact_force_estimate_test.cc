@@ -85,7 +85,7 @@ TEST(ContactForceEstimate, IsExactForAForceThatTheJointsFeel) {
 
 TEST(ContactForceEstimate, TellsTwoAndThreeContactsOnDifferentLinksApart) {
   const RobotModel m = Lwr();
-  Rig rig(m, 0.02);
+  Rig rig(m, 0.005);
   RandomStates random(m, 82);
   int observed = 0;
   for (int k = 0; k < 300; ++k) {
@@ -97,7 +97,7 @@ TEST(ContactForceEstimate, TellsTwoAndThreeContactsOnDifferentLinksApart) {
     if (rig.seen().rank < 6) continue;
     ++observed;
     for (std::size_t i = 0; i < 2; ++i)
-      EXPECT_LT((found.at[i].force - truth.at[i].force).norm(), 1e-14 * 100 / (0.02 * 0.02));
+      EXPECT_LT((found.at[i].force - truth.at[i].force).norm(), 1e-14 * 100 / (0.005 * 0.005));
   }
   EXPECT_GT(observed, 100);
   // Nine numbers of three forces are more than seven joints can tell.
