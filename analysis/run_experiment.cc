@@ -277,7 +277,7 @@ std::vector<Setting> SettingsOf(const FrictionExperiment::Options& c) {
 /// What makes currents of torques.
 std::string LoopOf(const ArmController& controller) {
   const auto* c = std::get_if<ComplianceControl::Options>(&controller);
-  return c ? ", " + TorqueLoopText(c->torque_loop) : "";
+  return c && c->low_level ? ", " + TorqueLoopText(c->torque_loop) : "";
 }
 
 std::vector<Setting> SettingsOfRun(const RunData& run) {
