@@ -10,6 +10,9 @@ NullSpaceProjector::NullSpaceProjector(const Options& o)
     : null_space{this, "null_space", o.joints, NullSpace(o.joints.size())}, s0_{o.damped_below} {
   RequireInRange("", "damped_below", o.damped_below, "", kPositive);
   Compute(null_space).From(frame).As(&NullSpaceProjector::Project);
+  Compute(least_singular).From(null_space).As([](const NullSpace& of) {
+    return of.least_singular;
+  });
 }
 
 void NullSpaceProjector::Project(NullSpace& out, const FrameDynamics& now) const {

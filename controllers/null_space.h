@@ -60,6 +60,7 @@ class NullSpaceProjector final : public Block {
 
   Input<FrameDynamics> frame{this, "frame"};
   Output<NullSpace> null_space;
+  Output<double> least_singular{this, "least_singular"};
 
  private:
   void Project(NullSpace& out, const FrameDynamics& now) const;

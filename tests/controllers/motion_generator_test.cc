@@ -58,8 +58,8 @@ Vector3d Field(BlockTester<T>& t, const Vector3d& p, const Vector3d& v) {
 
 /// Follows ṗ = f(p, ṗ) with ṗ the solution of ṗ = a(p) − k_D ṗ_n n: Runge–Kutta of order four.
 template <class T>
-Vector3d Follow(BlockTester<T>& t, Vector3d p, const Vector3d& normal, double damping,
-                double time, int steps) {
+Vector3d Follow(BlockTester<T>& t, Vector3d p, const Vector3d& normal, double damping, double time,
+                int steps) {
   const auto rate = [&](const Vector3d& x) {
     const Vector3d a = Field(t, x, Vector3d::Zero());
     return Vector3d(a - damping / (1 + damping) * normal.dot(a) * normal);
@@ -153,9 +153,9 @@ TEST(LimitCycleGenerator, ApproachesItsCurveAsTheClosedFormSays) {
     const double delta0 = std::atan2(start.y(), start.x());
     const double e0 = start.head<2>().norm() - RadiusOfBean(delta0);
     for (const double time : {0.3, 2.0}) {
-      const Vector3d p = o.axes.transpose() * (Follow(t, o.center + o.axes * start, o.axes.col(2),
-                                                      0.1, time, 2000) -
-                                               o.center);
+      const Vector3d p =
+          o.axes.transpose() *
+          (Follow(t, o.center + o.axes * start, o.axes.col(2), 0.1, time, 2000) - o.center);
       const double delta = delta0 - 0.9 * time;
       const double rho = RadiusOfBean(delta) + e0 * std::exp(-3 * time);
       EXPECT_NEAR(p.x(), rho * std::cos(delta), 1e-10);  // fourth order, h ≤ 1 ms
@@ -206,8 +206,8 @@ TEST(GoalGenerator, ComesNearerFromEverywhereAndNoFasterThanAsked) {
 TEST(MotionGenerators, PassTheLawsOfBlocks) {
   ExpectBlockLaws(BlockTester<CircleGenerator>(kCircle));
   ExpectBlockLaws(BlockTester<LimitCycleGenerator>(Bean()));
-  ExpectBlockLaws(BlockTester<GoalGenerator>(GoalGenerator::Options{
-      .goal = {0, 0, 0}, .gain = Matrix3d::Identity(), .speed = 1}));
+  ExpectBlockLaws(BlockTester<GoalGenerator>(
+      GoalGenerator::Options{.goal = {0, 0, 0}, .gain = Matrix3d::Identity(), .speed = 1}));
 }
 
 TEST(MotionGenerators, RefuseWhatMakesNoMotion) {
@@ -220,18 +220,22 @@ TEST(MotionGenerators, RefuseWhatMakesNoMotion) {
   EXPECT_THAT(circle([](auto& o) { o.radius = 0; }), HasSubstr("radius must be"));
   EXPECT_THAT(circle([](auto& o) { o.template_radius = -1; }), HasSubstr("template_radius must"));
   EXPECT_THAT(circle([](auto& o) { o.radial_gain = kToBeGiven; }), HasSubstr("radial_gain must"));
-  EXPECT_THAT(circle([](auto& o) { o.center.x() = kToBeGiven; }), HasSubstr("center must be finite"));
+  EXPECT_THAT(circle([](auto& o) { o.center.x() = kToBeGiven; }),
+              HasSubstr("center must be finite"));
   const auto cycle = [](auto change) {
     LimitCycleGenerator::Options o = Bean();
     change(o);
     return ErrorOf([&] { LimitCycleGenerator generator(o); });
   };
   EXPECT_THAT(cycle([](auto& o) { o.axes(0, 0) = 2; }), HasSubstr("axes must be a rotation"));
-  EXPECT_THAT(cycle([](auto& o) { o.harmonics = {{0.16, 0}}; }),
+  EXPECT_THAT(cycle([](auto& o) {
+                o.harmonics = {{0.16, 0}};
+              }),
               HasSubstr("the radius must be > 0 all round"));
   EXPECT_THAT(cycle([](auto& o) { o.harmonics.resize(17); }),
               HasSubstr("harmonics must be at most 16, got 17"));
-  EXPECT_THAT(cycle([](auto& o) { o.center.z() = kToBeGiven; }), HasSubstr("center must be finite"));
+  EXPECT_THAT(cycle([](auto& o) { o.center.z() = kToBeGiven; }),
+              HasSubstr("center must be finite"));
   const auto goal = [](auto change) {
     GoalGenerator::Options o{.goal = {0, 0, 0}, .speed = 1};
     change(o);

@@ -81,8 +81,8 @@ TEST(VelocityImpedance, HasTheTorqueOfTheEquation) {
     t.Set(t->frame, tool);
     t.Set(t->command, command);
     t.Set(t->target_twist, twist);
-    t.Set(t->target, Pose{Vector3d::Zero(),
-                          AngleAxisd(angle, axis).toRotationMatrix() * tool.pose.rotation});
+    t.Set(t->target,
+          Pose{Vector3d::Zero(), AngleAxisd(angle, axis).toRotationMatrix() * tool.pose.rotation});
     EXPECT_LT((Vector3d(t.Get(t->orientation_error)) - angle * axis).norm(), 1e-13);
     Vector6 F;
     F << K.cwiseProduct(angle * axis) - D_w.cwiseProduct((tool.twist - twist).head<3>()),
@@ -112,11 +112,14 @@ TEST(VelocityImpedance, TurnsTheShortWayAndIsBoundedAtHalfATurn) {
   t.Set(t->frame, tool);
   t.Set(t->command, {0, 0, 0});
   for (const double angle : {kPi - 1e-6, kPi, kPi + 1e-6}) {
-    t.Set(t->target, Pose{Vector3d::Zero(), AngleAxisd(angle, Vector3d::UnitY()).toRotationMatrix() *
-                                                tool.pose.rotation});
+    t.Set(t->target,
+          Pose{Vector3d::Zero(),
+               AngleAxisd(angle, Vector3d::UnitY()).toRotationMatrix() * tool.pose.rotation});
     const Vector3d e = t.Get(t->orientation_error);
     EXPECT_NEAR(e.norm(), kPi, 2e-6);
-    if (angle != kPi) EXPECT_EQ(e.y() > 0, angle < kPi);
+    if (angle != kPi) {
+      EXPECT_EQ(e.y() > 0, angle < kPi);
+    }
     EXPECT_LE(t.Get(t->wrench).head<3>().norm(), 15 * kPi + 1e-9);
   }
 }
@@ -156,8 +159,8 @@ TEST(ClassicalImpedance, IsASpringAndADamperAboutATarget) {
     t.Set(t->frame, tool);
     t.Set(t->target, Pose{p, tool.pose.rotation});
     t.Set(t->target_twist, twist);
-    const Vector3d F = K.cwiseProduct(p - tool.pose.position) +
-                       D.cwiseProduct((twist - tool.twist).tail<3>());
+    const Vector3d F =
+        K.cwiseProduct(p - tool.pose.position) + D.cwiseProduct((twist - tool.twist).tail<3>());
     EXPECT_LT((t.Get(t->wrench).tail<3>() - F).norm(), 1e-13);
     EXPECT_LT((t.Get(t->torque) - tool.J.bottomRows<3>().transpose() * F).norm(), 1e-12);
   }
@@ -174,21 +177,27 @@ TEST(ToolImpedances, RefuseGainsThatAreNone) {
   EXPECT_THAT(ErrorOf([] { VelocityTracking block({.gain = 0}); }), HasSubstr("gain must be"));
   EXPECT_THAT(ErrorOf([] { VelocityTracking block({.gain = 1, .rate_gain_s = -1}); }),
               HasSubstr("rate_gain_s must be"));
-  EXPECT_THAT(ErrorOf([&] { VelocityImpedance block({.joints = joints, .damping = {1, -1, 1}}); }),
+  EXPECT_THAT(ErrorOf([&] {
+                VelocityImpedance block({.joints = joints, .damping = {1, -1, 1}});
+              }),
               HasSubstr("damping"));
-  EXPECT_THAT(ErrorOf([&] {
-                VelocityImpedance block(
-                    {.joints = joints, .orientation = {.stiffness = {1, 1, -1}}});
-              }),
-              HasSubstr("orientation.stiffness"));
-  EXPECT_THAT(ErrorOf([&] {
-                ClassicalImpedance block({.joints = joints, .orientation = {.damping = {-1, 0, 0}}});
-              }),
-              HasSubstr("orientation.damping"));
   EXPECT_THAT(
-      ErrorOf([&] { ClassicalImpedance block({.joints = joints, .stiffness = {-1, 1, 1}}); }),
-      HasSubstr("stiffness"));
-  EXPECT_THAT(ErrorOf([&] { ClassicalImpedance block({.joints = joints, .damping = {-1, 1, 1}}); }),
+      ErrorOf([&] {
+        VelocityImpedance block({.joints = joints, .orientation = {.stiffness = {1, 1, -1}}});
+      }),
+      HasSubstr("orientation.stiffness"));
+  EXPECT_THAT(
+      ErrorOf([&] {
+        ClassicalImpedance block({.joints = joints, .orientation = {.damping = {-1, 0, 0}}});
+      }),
+      HasSubstr("orientation.damping"));
+  EXPECT_THAT(ErrorOf([&] {
+                ClassicalImpedance block({.joints = joints, .stiffness = {-1, 1, 1}});
+              }),
+              HasSubstr("stiffness"));
+  EXPECT_THAT(ErrorOf([&] {
+                ClassicalImpedance block({.joints = joints, .damping = {-1, 1, 1}});
+              }),
               HasSubstr("damping"));
 }
 
