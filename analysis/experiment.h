@@ -19,6 +19,7 @@
 #include "pliant/analysis/friction_figure.h"
 #include "pliant/analysis/least_claim.h"
 #include "pliant/analysis/motion_claims.h"
+#include "pliant/analysis/number_table.h"
 #include "pliant/analysis/order_claim.h"
 #include "pliant/analysis/path_figure.h"
 #include "pliant/analysis/phase_figure.h"
@@ -52,7 +53,8 @@ using ClaimCheck =
 using FigureOf = std::variant<VelocityFigure, PredictionFigure, LimitFigure, SignalFigure,
                               NormFigure, PhaseFigure, PathFigure, BarFigure, FrictionFigure>;
 
-/// A file that can be run: a scenario, its runs, the claims to check and the figures to draw.
+/// A file that can be run: a scenario, its runs, the claims to check, the figures to draw
+/// and the tables to fill.
 struct Experiment {
   std::string title;
   std::string summary;
@@ -61,6 +63,7 @@ struct Experiment {
   std::vector<RunOf> runs = {};  ///< none: one, named "run"
   std::vector<ClaimCheck> claims = {};
   std::vector<FigureOf> figures = {};
+  std::vector<NumberTable> tables = {};
 
   template <class F>
   void Parameters(F&& f) {
@@ -71,6 +74,7 @@ struct Experiment {
     f("runs", runs);
     f("claims", claims);
     f("figures", figures);
+    f("tables", tables);
   }
 };
 

@@ -393,6 +393,7 @@ class Reporting {
       std::visit([&](const auto& of) { claims_.push_back(NumbersOf(of)); }, check);
     for (const FigureOf& figure : experiment.figures)
       std::visit([&](const auto& of) { figures_.push_back(NumbersOf(of)); }, figure);
+    for (const NumberTable& table : experiment.tables) tables_.push_back(table.Wanted());
   }
 
   void Add(const Runs& runs) {
@@ -406,8 +407,9 @@ class Reporting {
             });
           },
           experiment_.claims[i]);
-    for (std::vector<RepeatedNumber>& numbers : figures_)
-      for (RepeatedNumber& number : numbers) number.Add(runs);
+    for (auto* all : {&figures_, &tables_})
+      for (std::vector<RepeatedNumber>& numbers : *all)
+        for (RepeatedNumber& number : numbers) number.Add(runs);
     for (std::size_t i = 0; repetitions_ == 1 && i < experiment_.figures.size(); ++i)
       std::visit(
           [&](const auto& of) {
@@ -445,6 +447,8 @@ class Reporting {
               report_.figures[i] = of.Draw(figures_[i]);
           },
           experiment_.figures[i]);
+    for (std::size_t i = 0; i < tables_.size(); ++i)
+      report_.results.push_back(experiment_.tables[i].Show(tables_[i]));
     for (const auto* all : {&claims_, &figures_})
       for (const std::vector<RepeatedNumber>& numbers : *all)
         measured.insert(measured.end(), numbers.begin(), numbers.end());
@@ -475,7 +479,7 @@ class Reporting {
   Report report_;
   int repetitions_ = 0;
   std::vector<RepeatedCheck> checks_;  // one for each claim, as are the numbers
-  std::vector<std::vector<RepeatedNumber>> claims_, figures_;
+  std::vector<std::vector<RepeatedNumber>> claims_, figures_, tables_;
   std::array<JointExtents, 3> extents_{
       {{"Joint positions, all runs", "rad", "arm.measured_position", &Joint::lower, &Joint::upper,
         1},
