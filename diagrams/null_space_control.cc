@@ -1,5 +1,6 @@
 #include "pliant/diagrams/null_space_control.h"
 
+#include <Eigen/Geometry>
 #include <type_traits>
 
 #include "pliant/controllers/passivity_monitor.h"

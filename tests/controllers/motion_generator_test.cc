@@ -41,9 +41,10 @@ LimitCycleGenerator::Options Bean() {
 }
 
 double RadiusOfBean(double delta) {
-  double rho = Bean().radius;
+  const LimitCycleGenerator::Options bean = Bean();
+  double rho = bean.radius;
   for (int k = 1; k <= 3; ++k) {
-    const Harmonic& of = Bean().harmonics[static_cast<std::size_t>(k - 1)];
+    const Harmonic& of = bean.harmonics[static_cast<std::size_t>(k - 1)];
     rho += of.cosine * std::cos(k * delta) + of.sine * std::sin(k * delta);
   }
   return rho;
