@@ -122,6 +122,12 @@ void Complete(FrictionExperiment::Options& control, const Scenario& scenario,
           scenario.duration_s);
 }
 
+void Complete(NullSpaceControl::Options& control, const Scenario& scenario,
+              const SimulatedArm::Options& arm) {
+  control.coulomb = FiguresOf(AssumedActuators(scenario, arm).joint,
+                              [](const ActuatorParameters& p) { return p.friction.coulomb; });
+}
+
 /// The mode of the arm that a controller is made for.
 ControlMode TorqueMode(const std::optional<LowLevelTorque::Options>& motors) {
   return motors ? ControlMode::Current : ControlMode::Torque;
@@ -131,6 +137,9 @@ ControlMode ModeOf(const ComplianceControl::Options& control) {
                                                  : TorqueMode(control.low_level);
 }
 ControlMode ModeOf(const FrictionExperiment::Options&) { return ControlMode::Current; }
+ControlMode ModeOf(const NullSpaceControl::Options& control) {
+  return TorqueMode(control.low_level);
+}
 
 /// What of a controller is worth a place in the log.
 std::vector<const internal::Value*> RecordedOf(const ComplianceControl& control,
@@ -151,6 +160,15 @@ std::vector<const internal::Value*> RecordedOf(const FrictionExperiment& control
                                                const FrictionExperiment::Options&) {
   return {&control.current,       &control.torque,          &control.reference,
           &control.break_away_up, &control.break_away_down, &control.report};
+}
+std::vector<const internal::Value*> RecordedOf(const NullSpaceControl& control,
+                                               const NullSpaceControl::Options&) {
+  return {&control.torque,          &control.current,     &control.torque_error,
+          &control.saturated,       &control.tool_torque, &control.null_space_torque,
+          &control.external_torque, &control.desired,     &control.velocity_error,
+          &control.target,          &control.path_error,  &control.orientation_error,
+          &control.storage,         &control.supply,      &control.excess,
+          &control.least_singular};
 }
 
 Duration Seconds(double s) {
@@ -375,8 +393,11 @@ ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<Recor
   arm = &b.Add<SimulatedArm>("arm", station);
   Environment environment(b, *arm, *true_torque, station.model, period);
   for (const EnvironmentPart& part : scenario.environment) std::visit(environment, part);
+  const auto* compliant = std::get_if<NullSpaceControl::Options>(&controller);
   if (compliance)
     control = &b.Add<ComplianceControl>("control", *compliance);
+  else if (compliant)
+    null_space = &b.Add<NullSpaceControl>("control", *compliant);
   else
     friction =
         &b.Add<FrictionExperiment>("control", std::get<FrictionExperiment::Options>(controller));
@@ -420,6 +441,8 @@ ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<Recor
     connect(*control);
     if (compliance->command == ArmCommand::Position || switches)
       b.Connect(control->position, arm->position_command);  // else it holds its start
+  } else if (null_space) {
+    connect(*null_space);
   } else {
     connect(*friction);
   }
@@ -437,8 +460,9 @@ ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<Recor
          arm->joint_torque, arm->energy, tool.position, tool.pose, tool.twist, true_torque->torque);
   if (schedule) record(schedule->mode);
   for (const internal::Value* value :
-       control ? RecordedOf(*control, *compliance)
-               : RecordedOf(*friction, std::get<FrictionExperiment::Options>(controller)))
+       control      ? RecordedOf(*control, *compliance)
+       : null_space ? RecordedOf(*null_space, *compliant)
+                    : RecordedOf(*friction, std::get<FrictionExperiment::Options>(controller)))
     b.Connect(*value, recorder.in);
 }
 

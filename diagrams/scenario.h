@@ -11,6 +11,7 @@
 #include "pliant/diagrams/compliance_control.h"
 #include "pliant/diagrams/friction_experiment.h"
 #include "pliant/diagrams/mode_schedule.h"
+#include "pliant/diagrams/null_space_control.h"
 #include "pliant/diagrams/simulated_arm.h"
 #include "pliant/diagrams/stations.h"
 #include "pliant/plants/hand.h"
@@ -75,7 +76,8 @@ using EnvironmentPart =
     std::variant<Push::Options, HandHold, MassOnRope::Options, Surface::Options>;
 
 /// What commands the arm.
-using ArmController = std::variant<ComplianceControl::Options, FrictionExperiment::Options>;
+using ArmController = std::variant<ComplianceControl::Options, FrictionExperiment::Options,
+                                   NullSpaceControl::Options>;
 
 /// The settings of a !Compliance; throws Error if the controller is of another kind.
 const ComplianceControl::Options& ComplianceOf(const ArmController& controller);
@@ -158,6 +160,7 @@ struct ScenarioDiagram {
   SimulatedArm* arm;
   ComplianceControl* control = nullptr;    ///< if it is !Compliance
   FrictionExperiment* friction = nullptr;  ///< if it is !FrictionExperiment
+  NullSpaceControl* null_space = nullptr;  ///< if it is !NullSpaceCompliance
   ContactTorque* true_torque;
   Duration control_period;
 };
