@@ -274,6 +274,59 @@ std::vector<Setting> SettingsOf(const FrictionExperiment::Options& c) {
           {"compliance", "none"}};
 }
 
+std::string MotionOf(const ToolMotionChoice& choice) {
+  if (const auto* o = std::get_if<CircleGenerator::Options>(&choice))
+    return "round a circle of " + Text(o->radius) + " m at " + Text(o->angular_velocity) +
+           " rad/s, k_ρ = " + Text(o->radial_gain) + " 1/s, k_P = " + Text(o->height_gain) +
+           " 1/s, k_D = " + Text(o->height_damping);
+  if (const auto* o = std::get_if<LimitCycleGenerator::Options>(&choice))
+    return "round a curve of " + Text(o->radius) + " m and " + Text(o->harmonics.size()) +
+           " harmonics at " + Text(o->angular_velocity) + " rad/s, k_ρ = " + Text(o->radial_gain) +
+           " 1/s, k_P = " + Text(o->height_gain) + " 1/s, k_D = " + Text(o->height_damping);
+  if (const auto* o = std::get_if<GoalGenerator::Options>(&choice))
+    return "to a point with at most " + Text(o->speed) + " m/s, A = " + MatrixText(o->gain) +
+           " 1/s";
+  const auto& o = std::get<ClassicalMotion>(choice);
+  return "by impedance about a point on a circle, " + Text(o.circle.speed) +
+         " rad/s, K_c = " + Text(o.stiffness.transpose()) + " N/m";
+}
+
+std::string NullSpaceTorqueOf(const NullSpaceChoice& choice) {
+  const auto impedance = [](const std::string& name, const PrintedNullSpaceTorque& o) {
+    return name + ", d_n = " + Text(o.damping) + ", α_f = " + Text(o.friction_gain) +
+           ", α_d = " + Text(o.damping_gain);
+  };
+  const auto reaction = [](const ObservedNullSpaceTorque& o) {
+    return "k_n = " + Text(o.null_space_gain) + ", k_t = " + Text(o.tool_gain) +
+           ", D_n = " + Text(o.damping);
+  };
+  if (const auto* o = std::get_if<PrintedNullSpaceTorque>(&choice))
+    return impedance("impedance as printed", *o);
+  if (const auto* o = std::get_if<MeantNullSpaceTorque>(&choice))
+    return impedance("impedance as meant", *o);
+  if (const auto* o = std::get_if<ObservedNullSpaceTorque>(&choice))
+    return "reaction to the momentum observer, " + reaction(*o);
+  if (const auto* o = std::get_if<RegressedNullSpaceTorque>(&choice))
+    return "reaction to least squares, " + reaction(*o);
+  return "no torque";
+}
+
+std::vector<Setting> SettingsOf(const NullSpaceControl::Options& c) {
+  const auto* regression = std::get_if<RegressedNullSpaceTorque>(&c.null_space);
+  return {
+      {"controller",
+       c.tool + " at " + c.period.text() + " " + MotionOf(c.motion) +
+           "; D = " + Text(c.damping.transpose()) + " N·s/m, k_p = " + Text(c.tracking.gain) +
+           ", k_d = " + Text(c.tracking.rate_gain_s) +
+           " s; K_ω = " + Text(c.orientation.stiffness.transpose()) +
+           " N·m/rad, D_ω = " + Text(c.orientation.damping.transpose()) + " N·m·s/rad"},
+      {"limits", "none"},
+      {"estimator", regression ? "least squares that forget, T = " + Text(regression->memory_s) +
+                                     " s, r₀ = " + Text(regression->prior)
+                               : "momentum observer, K_I = " + Text(c.observer_gain) + " 1/s"},
+      {"compliance", "null space: " + NullSpaceTorqueOf(c.null_space)}};
+}
+
 std::vector<Setting> SettingsOf(const ContactControl::Options& c) {
   const auto text = [](const TaskMatrix& given, const std::string& unit) {
     return given.size() == 0 ? std::string("natural") : MatrixText(given) + " " + unit;
@@ -300,11 +353,11 @@ std::vector<Setting> SettingsOf(const ContactControl::Options& c) {
 /// What makes currents of torques.
 std::string LoopOf(const ArmController& controller) {
   return std::visit(
-      [](const auto& c) {
+      [](const auto& c) -> std::string {
         if constexpr (requires { c.torque_loop; })
-          return ", " + TorqueLoopText(c.torque_loop);
+          return c.low_level ? ", " + TorqueLoopText(c.torque_loop) : "";
         else
-          return std::string();
+          return "";
       },
       controller);
 }

@@ -122,6 +122,12 @@ void Complete(FrictionExperiment::Options& control, const Scenario& scenario,
           scenario.duration_s);
 }
 
+void Complete(NullSpaceControl::Options& control, const Scenario& scenario,
+              const SimulatedArm::Options& arm) {
+  control.coulomb = FiguresOf(AssumedActuators(scenario, arm).joint,
+                              [](const ActuatorParameters& p) { return p.friction.coulomb; });
+}
+
 void Complete(ContactControl::Options&, const Scenario&, const SimulatedArm::Options&) {}
 
 /// The mode of the arm that a controller is made for.
@@ -133,6 +139,9 @@ ControlMode ModeOf(const ComplianceControl::Options& control) {
                                                  : TorqueMode(control.low_level);
 }
 ControlMode ModeOf(const FrictionExperiment::Options&) { return ControlMode::Current; }
+ControlMode ModeOf(const NullSpaceControl::Options& control) {
+  return TorqueMode(control.low_level);
+}
 ControlMode ModeOf(const ContactControl::Options& control) { return TorqueMode(control.low_level); }
 
 /// What of a controller is worth a place in the log.
@@ -154,6 +163,15 @@ std::vector<const internal::Value*> RecordedOf(const FrictionExperiment& control
                                                const FrictionExperiment::Options&) {
   return {&control.current,       &control.torque,          &control.reference,
           &control.break_away_up, &control.break_away_down, &control.report};
+}
+std::vector<const internal::Value*> RecordedOf(const NullSpaceControl& control,
+                                               const NullSpaceControl::Options&) {
+  return {&control.torque,          &control.current,     &control.torque_error,
+          &control.saturated,       &control.tool_torque, &control.null_space_torque,
+          &control.external_torque, &control.desired,     &control.velocity_error,
+          &control.target,          &control.path_error,  &control.orientation_error,
+          &control.storage,         &control.supply,      &control.excess,
+          &control.least_singular};
 }
 
 std::vector<const internal::Value*> RecordedOf(const ContactControl& control,
@@ -390,8 +408,11 @@ ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<Recor
   arm = &b.Add<SimulatedArm>("arm", station);
   Environment environment(b, *arm, *true_torque, station.model, period);
   for (const EnvironmentPart& part : scenario.environment) std::visit(environment, part);
+  const auto* compliant = std::get_if<NullSpaceControl::Options>(&controller);
   if (compliance)
     control = &b.Add<ComplianceControl>("control", *compliance);
+  else if (compliant)
+    null_space = &b.Add<NullSpaceControl>("control", *compliant);
   else if (const auto* test = std::get_if<FrictionExperiment::Options>(&controller))
     friction = &b.Add<FrictionExperiment>("control", *test);
   else
@@ -436,6 +457,8 @@ ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<Recor
     connect(*control);
     if (compliance->command == ArmCommand::Position || switches)
       b.Connect(control->position, arm->position_command);  // else it holds its start
+  } else if (null_space) {
+    connect(*null_space);
   } else if (friction) {
     connect(*friction);
   } else {
@@ -459,6 +482,8 @@ ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<Recor
   };
   if (control)
     record_all(RecordedOf(*control, *compliance));
+  else if (null_space)
+    record_all(RecordedOf(*null_space, *compliant));
   else if (friction)
     record_all(RecordedOf(*friction, std::get<FrictionExperiment::Options>(controller)));
   else

@@ -12,6 +12,7 @@
 #include "pliant/diagrams/contact_control.h"
 #include "pliant/diagrams/friction_experiment.h"
 #include "pliant/diagrams/mode_schedule.h"
+#include "pliant/diagrams/null_space_control.h"
 #include "pliant/diagrams/simulated_arm.h"
 #include "pliant/diagrams/stations.h"
 #include "pliant/plants/hand.h"
@@ -76,8 +77,8 @@ using EnvironmentPart =
     std::variant<Push::Options, HandHold, MassOnRope::Options, Surface::Options>;
 
 /// What commands the arm.
-using ArmController =
-    std::variant<ComplianceControl::Options, FrictionExperiment::Options, ContactControl::Options>;
+using ArmController = std::variant<ComplianceControl::Options, FrictionExperiment::Options,
+                                   NullSpaceControl::Options, ContactControl::Options>;
 
 /// The settings of a !Compliance; throws Error if the controller is of another kind.
 const ComplianceControl::Options& ComplianceOf(const ArmController& controller);
@@ -160,6 +161,7 @@ struct ScenarioDiagram {
   SimulatedArm* arm;
   ComplianceControl* control = nullptr;    ///< if it is !Compliance
   FrictionExperiment* friction = nullptr;  ///< if it is !FrictionExperiment
+  NullSpaceControl* null_space = nullptr;  ///< if it is !NullSpaceCompliance
   ContactControl* contact = nullptr;       ///< if it is !ContactControl
   ContactTorque* true_torque;
   Duration control_period;
