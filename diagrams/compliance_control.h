@@ -178,7 +178,7 @@ class ComplianceControl final : public Composite {
     std::vector<WorkspacePlanes::Options> workspace = {};
     std::optional<ForceLimit::Options> force_limit = {};  ///< of the wrist sensor's contact
     std::optional<ContactSettings> contacts = {};         ///< none: what touches the arm is no task
-    double contact_weight = 1e4;  ///< of each of the contacts, beside the pose's
+    double contact_weight = 1e6;  ///< of each of the contacts, beside the pose's
     ArmCommand command = ArmCommand::Torque;
     TorqueLoopChoice torque_loop = {};
 
