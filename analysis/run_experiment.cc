@@ -239,6 +239,19 @@ std::string EstimatorOf(const ComplianceControl::Options& c) {
   return "none: external torques are taken for 0";
 }
 
+std::string ContactsOf(const ContactSettings& c) {
+  const auto text = [](const TaskMatrix& given, const std::string& unit) {
+    return given.size() == 0 ? std::string("natural") : MatrixText(given) + " " + unit;
+  };
+  if (const auto* impedance = std::get_if<ContactImpedance::Gains>(&c.behavior))
+    return "impedance at contacts: M_d " + text(impedance->inertia, "kg") + ", K_d " +
+           text(impedance->damping, "N·s/m") + ", K_p " + text(impedance->stiffness, "N/m");
+  const auto& force = std::get<ContactForceControl::Settings>(c.behavior);
+  return "force control at contacts: M_d " + text(force.inertia, "kg") + ", K_d " +
+         text(force.damping, "N·s/m") + ", K_f " + text(force.force_gain, "") + "; guard " +
+         Text(force.speed_limit) + " m/s, " + Text(force.way_limit) + " m";
+}
+
 /// What a kind of controller has to say of itself, under the same names for all kinds.
 std::vector<Setting> SettingsOf(const ComplianceControl::Options& c) {
   const auto gains = [](const auto& g) {
@@ -250,8 +263,11 @@ std::vector<Setting> SettingsOf(const ComplianceControl::Options& c) {
     };
     return text(g.stiffness) + " 1/s², " + text(g.damping) + " 1/s, weight " + Text(g.weight);
   };
-  return {{"controller", "one QP at " + c.period.text() + ": pose of " + c.tool + " " +
-                             gains(c.pose) + "; posture " + gains(c.posture)},
+  return {{"controller",
+           "one QP at " + c.period.text() + ": pose of " + c.tool + " " + gains(c.pose) +
+               "; posture " + gains(c.posture) +
+               (c.contacts ? "; " + ContactsOf(*c.contacts) + ", weight " + Text(c.contact_weight)
+                           : "")},
           {"limits", LimitsOf(c)},
           {"estimator", EstimatorOf(c)},
           {"compliance", c.modes ? "as the modes say"
@@ -327,26 +343,16 @@ std::vector<Setting> SettingsOf(const NullSpaceControl::Options& c) {
       {"compliance", "null space: " + NullSpaceTorqueOf(c.null_space)}};
 }
 
+std::string DetectionOf(const ContactSettings& c) {
+  return "its offset taken from " + Text(c.tare_from_s) + " s to " + Text(c.tare_until_s) +
+         " s; contact above " + MatrixText(c.threshold) + " N·m";
+}
+
 std::vector<Setting> SettingsOf(const ContactControl::Options& c) {
-  const auto text = [](const TaskMatrix& given, const std::string& unit) {
-    return given.size() == 0 ? std::string("natural") : MatrixText(given) + " " + unit;
-  };
-  std::string behavior;
-  if (const auto* impedance = std::get_if<ContactImpedance::Gains>(&c.behavior)) {
-    behavior = "impedance: M_d " + text(impedance->inertia, "kg") + ", K_d " +
-               text(impedance->damping, "N·s/m") + ", K_p " + text(impedance->stiffness, "N/m");
-  } else {
-    const auto& force = std::get<ContactForceControl::Settings>(c.behavior);
-    behavior = "force control: M_d " + text(force.inertia, "kg") + ", K_d " +
-               text(force.damping, "N·s/m") + ", K_f " + text(force.force_gain, "") + "; guard " +
-               Text(force.speed_limit) + " m/s, " + Text(force.way_limit) + " m";
-  }
-  return {{"controller", "contacts at " + c.period.text() + ", " + behavior},
+  return {{"controller", c.period.text() + ", " + ContactsOf(c.contact)},
           {"limits", "torques of the joints"},
-          {"estimator", "momentum observer, K_I = " + Text(c.observer_gain) +
-                            " 1/s, its offset taken from " + Text(c.tare_from_s) + " s to " +
-                            Text(c.tare_until_s) + " s; contact above " + MatrixText(c.threshold) +
-                            " N·m"},
+          {"estimator",
+           "momentum observer, K_I = " + Text(c.observer_gain) + " 1/s, " + DetectionOf(c.contact)},
           {"compliance", "none"}};
 }
 

@@ -30,7 +30,9 @@ ContactForceControl::ContactForceControl(const Options& o)
       K_f_{Gain(o.settings.force_gain, "force_gain", "K_f")},
       K_h_{Gain(o.settings.hold_stiffness, "hold_stiffness", "K_h")},
       D_h_{Gain(o.settings.hold_damping, "hold_damping", "D_h")},
+      weight_{o.weight},
       memory_{this, "memory"} {
+  RequireInRange("", "weight", o.weight, "", kPositive);
   RequireInRange("", o.settings);
   if (const FixedForce* fixed = std::get_if<FixedForce>(&o.settings.wanted))
     RequireEachInRange("wanted.force", fixed->force, "N", kAnyNumber);
@@ -88,7 +90,7 @@ void ContactForceControl::Want(Objective& out, const Memory& m, const AnchoredCo
   if (!xddot.allFinite()) return;
   out.A = x.J.bottomRows<3>();
   out.b = xddot - x.Jdot_v.tail<3>();
-  out.weight = 1;
+  out.weight = weight_;
 }
 
 }  // namespace pliant

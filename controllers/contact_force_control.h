@@ -114,6 +114,7 @@ class ContactForceControl final : public Block {
     RobotModel model;
     Duration period;
     Settings settings;
+    double weight = 1;  ///< of the term, > 0
   };
 
   /// What it remembers from one tick to the next.
@@ -148,6 +149,7 @@ class ContactForceControl final : public Block {
   const Settings settings_;
   const ContactInertia inertia_;
   const Eigen::Matrix3d K_d_, K_f_, K_h_, D_h_;
+  const double weight_;
   Output<Memory> memory_;
 };
 

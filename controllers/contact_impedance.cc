@@ -15,7 +15,9 @@ ContactImpedance::ContactImpedance(const Options& o)
       model_{o.model},
       inertia_{o.gains.inertia},
       K_d_{ComplianceOf<TaskMatrix>(o.gains.damping, 3, "damping", "K_d")},
-      K_p_{ComplianceOf<TaskMatrix>(o.gains.stiffness, 3, "stiffness", "K_p")} {
+      K_p_{ComplianceOf<TaskMatrix>(o.gains.stiffness, 3, "stiffness", "K_p")},
+      weight_{o.weight} {
+  RequireInRange("", "weight", o.weight, "", kPositive);
   Compute(error).From(contact, dynamics, displacement).As(&ContactImpedance::Error);
   Compute(objective)
       .From(contact, dynamics, error, displacement_velocity, displacement_acceleration)
@@ -39,7 +41,7 @@ void ContactImpedance::Want(Objective& out, const AnchoredContact& c, const Robo
   if (!xddot.allFinite()) return;
   out.A = x.J.bottomRows<3>();
   out.b = xddot_d + xddot - x.Jdot_v.tail<3>();
-  out.weight = 1;
+  out.weight = weight_;
 }
 
 }  // namespace pliant

@@ -15,8 +15,9 @@ namespace pliant {
 ///   J_c q̈ = ẍ_d + M_d⁻¹ (K_d ė + K_p e + F̂) − J̇_c q̇,   e = x_d − x_c                   (CF 21)
 ///
 /// x_d is where the point was when contact began, and as far from there as `displacement` says. The
-/// term has weight 1 from the touch on, also after the release, so that the point returns; without
-/// a point, 0. F̂ is the force of the environment on the arm. Along each axis of a diagonal M_d
+/// term has its weight from the touch on, also after the release, so that the point returns;
+/// without a point, 0. F̂ is the force of the environment on the arm. Along each axis of a diagonal
+/// M_d
 ///
 ///   ω_n = √(k_p/m_d),   ζ = k_d/(2 √(k_p m_d)),   at rest e = −F̂/k_p                  (CF 13, 15)
 ///
@@ -44,6 +45,7 @@ class ContactImpedance final : public Block {
   struct Options {
     RobotModel model;
     Gains gains;
+    double weight = 1;  ///< of the term, > 0
   };
 
   explicit ContactImpedance(const Options& o);
@@ -64,6 +66,7 @@ class ContactImpedance final : public Block {
   const RobotModel model_;
   const ContactInertia inertia_;
   const Eigen::Matrix3d K_d_, K_p_;
+  const double weight_;
 };
 
 }  // namespace pliant

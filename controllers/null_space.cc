@@ -29,7 +29,7 @@ void NullSpaceProjector::Project(NullSpace& out, const FrameDynamics& now) const
   const Matrix6 root = U * gains.cwiseSqrt().asDiagonal();
   out.inverse = now.J.transpose().lazyProduct(inverse);
   const JacobianInverse W = now.J.transpose().lazyProduct(root);
-  out.projector = -W.lazyProduct(W.transpose());  // symmetric to the last bit
+  out.projector = -W.lazyProduct(W.transpose());
   out.projector.diagonal().array() += 1;
   out.least_singular = std::sqrt(std::max(eigen.eigenvalues()(0), 0.0));
 }

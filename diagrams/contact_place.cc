@@ -64,7 +64,8 @@ ContactPlace::ContactPlace(const Options& o)
     Connect(law.objective, objective);
   };
   if (const auto* gains = std::get_if<ContactImpedance::Gains>(&o.behavior)) {
-    follow(Add<ContactImpedance>("impedance", {.model = o.model, .gains = *gains}));
+    follow(Add<ContactImpedance>("impedance",
+                                 {.model = o.model, .gains = *gains, .weight = o.weight}));
     Connect(Add<Constant<Force>>("no_force", {.value = Force()}).y, wanted);
     Connect(Add<Constant<ContactForceStatus>>("no_status", {.value = ContactForceStatus::Idle}).y,
             status);
@@ -73,7 +74,8 @@ ContactPlace::ContactPlace(const Options& o)
   auto& regulation = Add<ContactForceControl>(
       "regulation", {.model = o.model,
                      .period = o.period,
-                     .settings = std::get<ContactForceControl::Settings>(o.behavior)});
+                     .settings = std::get<ContactForceControl::Settings>(o.behavior),
+                     .weight = o.weight});
   follow(regulation);
   Connect(regulation.wanted, wanted);
   Connect(regulation.status, status);

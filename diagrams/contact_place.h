@@ -24,6 +24,7 @@ class ContactPlace final : public Composite {
     Duration period;
     double same_point = 0.05;  ///< as ContactAnchor has it [m]
     ContactBehavior behavior = {};
+    double weight = 1;  ///< of the objective
   };
 
   explicit ContactPlace(const Options& o);

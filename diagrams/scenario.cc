@@ -144,6 +144,15 @@ ControlMode ModeOf(const NullSpaceControl::Options& control) {
 }
 ControlMode ModeOf(const ContactControl::Options& control) { return TorqueMode(control.low_level); }
 
+/// What of contacts is.
+void Append(std::vector<const internal::Value*>& values, const ContactTasks& tasks) {
+  values.insert(values.end(), {&tasks.residual, &tasks.touched, &tasks.link, &tasks.external_torque,
+                               &tasks.contacts, &tasks.observability});
+  for (const ContactPlace* place : tasks.places)
+    values.insert(values.end(), {&place->error, &place->velocity, &place->force,
+                                 &place->force_error, &place->wanted, &place->status});
+}
+
 /// What of a controller is worth a place in the log.
 std::vector<const internal::Value*> RecordedOf(const ComplianceControl& control,
                                                const ComplianceControl::Options& o) {
@@ -155,6 +164,7 @@ std::vector<const internal::Value*> RecordedOf(const ComplianceControl& control,
   if (o.collisions) values.push_back(&control.distance);
   if (o.door) values.push_back(&control.door);
   if (o.modes) values.push_back(&control.yields);
+  if (o.contacts) Append(values, *control.contact_tasks);
   if (o.modes && o.modes->control)
     values.insert(values.end(), {&control.arm_mode, &control.arm_control, &control.braking});
   return values;
@@ -176,13 +186,10 @@ std::vector<const internal::Value*> RecordedOf(const NullSpaceControl& control,
 
 std::vector<const internal::Value*> RecordedOf(const ContactControl& control,
                                                const ContactControl::Options&) {
-  std::vector<const internal::Value*> values{
-      &control.torque,       &control.current,  &control.torque_error,    &control.saturated,
-      &control.acceleration, &control.residual, &control.touched,         &control.link,
-      &control.contact,      &control.report,   &control.external_torque, &control.observability};
-  for (const ContactPlace* place : control.places)
-    values.insert(values.end(), {&place->error, &place->velocity, &place->force,
-                                 &place->force_error, &place->wanted, &place->status});
+  std::vector<const internal::Value*> values{&control.torque,       &control.current,
+                                             &control.torque_error, &control.saturated,
+                                             &control.acceleration, &control.report};
+  Append(values, *control.contact_tasks);
   return values;
 }
 

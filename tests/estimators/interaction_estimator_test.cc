@@ -20,12 +20,13 @@ using Eigen::Vector3d;
 constexpr double kPeriod = 1e-3;
 
 InteractionEstimator::Options Options() {
-  return {.model = Lwr(), .memory_s = 0.05, .prior = 2, .period = 1ms};
+  static const RobotModel m = Lwr();
+  return {.model = m, .memory_s = 0.05, .prior = 2, .period = 1ms};
 }
 
 /// Dynamics of an arm at q whose momentum is p, and which nothing else acts on.
 RobotDynamics With(const JointPosition& q, const PerJoint& p) {
-  const RobotModel m = Lwr();
+  const RobotModel m = Options().model;
   RobotDynamics d(m);
   ComputeDynamics(m, q, JointVelocity::Zero(m.joints()), d);
   d.p = p;

@@ -1,0 +1,74 @@
+#include "pliant/diagrams/contact_tasks.h"
+
+#include "pliant/estimators/contact_detection.h"
+#include "pliant/estimators/residual_tare.h"
+#include "pliant/plants/true_contacts.h"
+
+namespace pliant {
+
+namespace {
+
+/// A number for all joints, or one for each.
+PerJoint ForEachJoint(const JointMatrix& given, int n) {
+  if (given.size() == 1) return PerJoint::Constant(n, given(0, 0));
+  Require(given.cols() == 1 && given.rows() == n,
+          "threshold must be a number or one for each of the " + Text(n) + " joints",
+          Text(given.rows()) + " x " + Text(given.cols()));
+  return given.col(0);
+}
+
+}  // namespace
+
+ContactTasks::ContactTasks(const Options& o)
+    : dynamics{this, "dynamics", o.model.joints()},
+      raw_residual{this, "raw_residual", o.model.joints()},
+      forces{this, "forces"},
+      residual{this, "residual", o.model.joints()},
+      touched{this, "touched"},
+      link{this, "link"},
+      external_torque{this, "external_torque", o.model.joints()},
+      contacts{this, "contacts"},
+      observability{this, "observability"} {
+  const ContactSettings& s = o.settings;
+  auto& tare = Add<ResidualTare>("tare", {.joints = o.model.joints(),
+                                          .period = o.period,
+                                          .from_s = s.tare_from_s,
+                                          .until_s = s.tare_until_s});
+  auto& detection =
+      Add<ContactDetection>("detection", {.model = o.model,
+                                          .period = o.period,
+                                          .threshold = ForEachJoint(s.threshold, o.model.size()),
+                                          .release = s.release});
+  auto& truth = Add<TrueContacts>("true_contacts", {.period = o.period});
+  auto& estimate = Add<ContactForceEstimate>(
+      "estimate", {.model = o.model, .period = o.period, .smallest_lever = s.smallest_lever});
+
+  Connect(raw_residual, tare.residual);
+  Connect(tare.tared, detection.residual);
+  Connect(tare.tared, residual);
+  Connect(detection.touched, touched);
+  Connect(detection.link, link);
+  Connect(forces, truth.forces);
+  std::visit([&](const KnownContacts&) { Connect(truth.contacts, estimate.places); },
+             s.localization);
+  Connect(dynamics, estimate.dynamics);
+  Connect(tare.tared, estimate.residual);
+  Connect(detection.touched, estimate.touched);
+  Connect(estimate.contacts, contacts);
+  Connect(estimate.observability, observability);
+  Connect(estimate.explained, external_torque);
+  for (int i = 0; i < kMaxContacts; ++i) {
+    auto& place = Add<ContactPlace>("place_" + std::to_string(i + 1), {.model = o.model,
+                                                                       .place = i,
+                                                                       .period = o.period,
+                                                                       .same_point = s.same_point,
+                                                                       .behavior = s.behavior,
+                                                                       .weight = o.weight});
+    Connect(estimate.contacts, place.contacts);
+    Connect(truth.contacts, place.true_contacts);
+    Connect(dynamics, place.dynamics);
+    places[static_cast<std::size_t>(i)] = &place;
+  }
+}
+
+}  // namespace pliant
