@@ -62,7 +62,8 @@ struct Run {
     }
   }
   const ContactControl& control() const { return *scene.contact; }
-  const ContactPlace& place(std::size_t i) const { return *scene.contact->places[i]; }
+  const ContactTasks& tasks() const { return *scene.contact->contact_tasks; }
+  const ContactPlace& place(std::size_t i) const { return *tasks().places[i]; }
   template <class V>
   const typename V::Signal& Get(const V& value) {
     return sim.Get(value);
@@ -92,7 +93,7 @@ TEST(ContactControl, HoldsThePostureAndFeelsNothingUntilItIsTouched) {
     Run run(With(robot, {{"duration_s", "5"}}));
     const JointPosition start = run.Get(run.scene.arm->position);
     run.To(5, [&](double) {
-      EXPECT_FALSE(run.Get(run.control().touched));
+      EXPECT_FALSE(run.Get(run.tasks().touched));
       EXPECT_EQ(run.Get(run.control().report).outcome, ContactLawReport::Outcome::Posture);
     });
     // The friction that holds a joint off, at most some N·m, over λ₂ M of at least 10 N·m/rad.
@@ -103,14 +104,14 @@ TEST(ContactControl, HoldsThePostureAndFeelsNothingUntilItIsTouched) {
 TEST(ContactControl, FindsTheForceAndBringsThePointBack) {
   Run run({{"environment", "[" + Push("link_6", "[0, 20 N, 0]", 2, 2) + "]"}});
   run.To(3.9);
-  EXPECT_TRUE(run.Get(run.control().touched));
-  EXPECT_EQ(run.Get(run.control().contact).count(), 1);
+  EXPECT_TRUE(run.Get(run.tasks().touched));
+  EXPECT_EQ(run.Get(run.tasks().contacts).count(), 1);
   // 5 standard deviations of the residual, 0.7 N·m, over a lever arm of half a metre.
   EXPECT_LT(run.Get(run.place(0).force_error).norm(), 7);
   // F/K_p, and 1.9 N of Coulomb friction.
   EXPECT_NEAR(run.Get(run.place(0).error)(1), -20.0 / 500, 4e-3 + 7.0 / 500);
   run.To(6);
-  EXPECT_FALSE(run.Get(run.control().touched));
+  EXPECT_FALSE(run.Get(run.tasks().touched));
   EXPECT_LT(run.Get(run.place(0).error).norm(), 5e-3);
   EXPECT_EQ(run.Get(run.control().report).rows, 3) << "the point is kept";
 }
@@ -133,7 +134,7 @@ Fit Identify(int axis, const std::string& force) {
     if (!rows.empty()) sum += 5e-3 * 0.5 * (x + rows.back()(0));
     rows.emplace_back(x, sum, run.Get(run.place(0).velocity)(axis));
   });
-  EXPECT_FALSE(run.Get(run.control().touched));
+  EXPECT_FALSE(run.Get(run.tasks().touched));
   Eigen::MatrixXd A(rows.size(), 3);
   Eigen::VectorXd b(rows.size());
   for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -165,8 +166,8 @@ TEST(ContactControl, TellsTwoContactsApart) {
            {"environment", "[" + Push("link_4", "[0, 25 N, 0]", 2, 3) + ", " +
                                Push("end_effector_link", "[0, 0, -15 N]", 2.5, 2.5) + "]"}});
   run.To(4.9);
-  EXPECT_EQ(run.Get(run.control().contact).count(), 2);
-  const ContactObservability& seen = run.Get(run.control().observability);
+  EXPECT_EQ(run.Get(run.tasks().contacts).count(), 2);
+  const ContactObservability& seen = run.Get(run.tasks().observability);
   EXPECT_EQ(seen.rows, 6);
   EXPECT_EQ(seen.rank, 5) << "the elbow cannot feel a force along the upper arm";
   for (std::size_t i : {0U, 1U}) EXPECT_LT(run.Get(run.place(i).force_error).norm(), 10);
@@ -209,7 +210,7 @@ TEST(ContactControl, RunsOffTheHeap) {
     Run run({{"controller.behavior", behavior},
              {"environment", "[" + Push("link_6", "[0, 20 N, 0]", 1.6, 2) + "]"}});
     run.To(1.9);
-    EXPECT_TRUE(run.Get(run.control().touched));
+    EXPECT_TRUE(run.Get(run.tasks().touched));
     const long before = Allocations();
     for (int i = 0; i < 100; ++i) run.sim.AdvanceThroughTick();
     EXPECT_EQ(Allocations() - before, 0) << behavior;
