@@ -46,8 +46,8 @@ std::string ErrorOfSetting(const Overrides& set) {
 }
 
 /// Runs a scenario and shows each tick of its controller.
-struct Run {
-  explicit Run(const Overrides& set)
+struct Course {
+  explicit Course(const Overrides& set)
       : scenario{ScenarioIn(set)},
         scene{scenario},
         diagram{scene.builder.Build()},
@@ -90,7 +90,7 @@ TEST(ContactControl, HoldsThePostureAndFeelsNothingUntilItIsTouched) {
   for (const Overrides& robot : {Overrides{}, Overrides{{"robot", "gen3"},
                                                         {"controller.tool", "tool_frame"},
                                                         {"controller.threshold", "3"}}}) {
-    Run run(With(robot, {{"duration_s", "5"}}));
+    Course run(With(robot, {{"duration_s", "5"}}));
     const JointPosition start = run.Get(run.scene.arm->position);
     run.To(5, [&](double) {
       EXPECT_FALSE(run.Get(run.tasks().touched));
@@ -102,7 +102,7 @@ TEST(ContactControl, HoldsThePostureAndFeelsNothingUntilItIsTouched) {
 }
 
 TEST(ContactControl, FindsTheForceAndBringsThePointBack) {
-  Run run({{"environment", "[" + Push("link_6", "[0, 20 N, 0]", 2, 2) + "]"}});
+  Course run({{"environment", "[" + Push("link_6", "[0, 20 N, 0]", 2, 2) + "]"}});
   run.To(3.9);
   EXPECT_TRUE(run.Get(run.tasks().touched));
   EXPECT_EQ(run.Get(run.tasks().contacts).count(), 1);
@@ -123,9 +123,9 @@ struct Fit {
 };
 Fit Identify(int axis, const std::string& force) {
   const double released = 3.5;
-  Run run(With(kIdeal, {{"controller.behavior",
-                         "!Impedance {inertia: [20, 3, 10], damping: 80, stiffness: 500}"},
-                        {"environment", "[" + Push("link_6", force, 2, 1.5) + "]"}}));
+  Course run(With(kIdeal, {{"controller.behavior",
+                            "!Impedance {inertia: [20, 3, 10], damping: 80, stiffness: 500}"},
+                           {"environment", "[" + Push("link_6", force, 2, 1.5) + "]"}}));
   std::vector<Vector3d> rows;  // x, ∫x, ẋ
   double sum = 0;
   run.To(released + 1.6, [&](double t) {
@@ -151,20 +151,17 @@ TEST(ContactControl, GivesEachAxisTheFrequencyAndTheDampingOfItsInertia) {
   const std::vector<std::string> forces{"[20 N, 0, 0]", "[0, 20 N, 0]", "[0, 0, 20 N]"};
   for (int axis = 0; axis < 3; ++axis) {
     const Fit fit = Identify(axis, forces[static_cast<std::size_t>(axis)]);
-    // A tick of 5 ms, half a tick of holding and 20 ms of the observer are some 3 % of 1/ω_n = 80
-    // ms and more in phase; an arm without friction has no other error.
-    EXPECT_NEAR(fit.omega, std::sqrt(500 / m_d(axis)), 0.1 * std::sqrt(500 / m_d(axis))) << axis;
-    EXPECT_NEAR(fit.zeta, 80 / (2 * std::sqrt(500 * m_d(axis))),
-                0.15 * 80 / (2 * std::sqrt(500 * m_d(axis))))
-        << axis;
-    EXPECT_NEAR(fit.mass, m_d(axis), 0.15 * m_d(axis)) << axis;
+    const double omega = std::sqrt(500 / m_d(axis)), zeta = 80 / (2 * std::sqrt(500 * m_d(axis)));
+    // A tick of 5 ms and half of one that it is held, beside 1/ω_n of 77 ms and more.
+    EXPECT_NEAR(fit.omega, omega, 0.1 * omega) << axis;
+    EXPECT_NEAR(fit.zeta, zeta, 0.1 * zeta) << axis;
   }
 }
 
 TEST(ContactControl, TellsTwoContactsApart) {
-  Run run({{"controller.smallest_lever", "0.02"},
-           {"environment", "[" + Push("link_4", "[0, 25 N, 0]", 2, 3) + ", " +
-                               Push("end_effector_link", "[0, 0, -15 N]", 2.5, 2.5) + "]"}});
+  Course run({{"controller.smallest_lever", "0.02"},
+              {"environment", "[" + Push("link_4", "[0, 25 N, 0]", 2, 3) + ", " +
+                                  Push("end_effector_link", "[0, 0, -15 N]", 2.5, 2.5) + "]"}});
   run.To(4.9);
   EXPECT_EQ(run.Get(run.tasks().contacts).count(), 2);
   const ContactObservability& seen = run.Get(run.tasks().observability);
@@ -177,10 +174,11 @@ const std::string kForce =
     "!Force {wanted: !Compatible {force: 15, floor: 3}, speed_limit: 1, way_limit: 0.5}";
 
 TEST(ContactControl, PressesAsHardAsItIsTold) {
-  Run run(With(kIdeal, {{"controller.behavior", kForce},
-                        {"environment",
-                         "[!Hand {link: link_6, stiffness: [60, 60, 60], damping: 10, start_s: 2,"
-                         " duration_s: 4, path: [{after_s: 1, by: [0, 0.35, 0]}]}]"}}));
+  Course run(
+      With(kIdeal, {{"controller.behavior", kForce},
+                    {"environment",
+                     "[!Hand {link: link_6, stiffness: [60, 60, 60], damping: 10, start_s: 2,"
+                     " duration_s: 4, path: [{after_s: 1, by: [0, 0.35, 0]}]}]"}}));
   run.To(5.9);
   EXPECT_EQ(run.Get(run.place(0).status), ContactForceStatus::Regulating);
   EXPECT_NEAR(run.Get(run.place(0).force).norm(), 15, 0.5);
@@ -190,10 +188,10 @@ TEST(ContactControl, PressesAsHardAsItIsTold) {
 }
 
 TEST(ContactControl, TheGuardEndsADrift) {
-  Run run(With(kIdeal,
-               {{"controller.behavior",
-                 "!Force {wanted: !Fixed {force: [0, 15 N, 0]}, speed_limit: 0.4, way_limit: 0.3}"},
-                {"environment", "[" + Push("link_6", "[15 N, 0, 0]", 2, 3) + "]"}}));
+  Course run(With(
+      kIdeal, {{"controller.behavior",
+                "!Force {wanted: !Fixed {force: [0, 15 N, 0]}, speed_limit: 0.4, way_limit: 0.3}"},
+               {"environment", "[" + Push("link_6", "[15 N, 0, 0]", 2, 3) + "]"}}));
   ContactForceStatus worst = ContactForceStatus::Idle;
   double way = 0;
   run.To(5.9, [&](double t) {
@@ -207,8 +205,8 @@ TEST(ContactControl, TheGuardEndsADrift) {
 
 TEST(ContactControl, RunsOffTheHeap) {
   for (const std::string& behavior : {std::string("!Impedance {inertia: 5}"), kForce}) {
-    Run run({{"controller.behavior", behavior},
-             {"environment", "[" + Push("link_6", "[0, 20 N, 0]", 1.6, 2) + "]"}});
+    Course run({{"controller.behavior", behavior},
+                {"environment", "[" + Push("link_6", "[0, 20 N, 0]", 1.6, 2) + "]"}});
     run.To(1.9);
     EXPECT_TRUE(run.Get(run.tasks().touched));
     const long before = Allocations();
