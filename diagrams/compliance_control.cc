@@ -357,7 +357,7 @@ ComplianceControl::ComplianceControl(const Options& o)
     Connect(dynamics.dynamics, tasks.dynamics);
     Connect(estimate.residual, tasks.raw_residual);
     Connect(contacts, tasks.forces);
-    for (const ContactPlace* place : tasks.places) Connect(place->objective, qp.objectives);
+    for (const Output<Objective>& objective : tasks.objectives) Connect(objective, qp.objectives);
     known = &tasks.residual;
     contact_tasks = &tasks;
   }

@@ -43,7 +43,7 @@ ContactControl::ContactControl(const Options& o)
   Connect(contacts, tasks.forces);
   Connect(dynamics.dynamics, law.dynamics);
   Connect(tasks.contacts, law.contacts);
-  for (const ContactPlace* place : tasks.places) Connect(place->objective, law.objectives);
+  for (const Output<Objective>& objective : tasks.objectives) Connect(objective, law.objectives);
   contact_tasks = &tasks;
 
   Connect(law.report, report);

@@ -28,7 +28,11 @@ ContactTasks::ContactTasks(const Options& o)
       link{this, "link"},
       external_torque{this, "external_torque", o.model.joints()},
       contacts{this, "contacts"},
-      observability{this, "observability"} {
+      observability{this, "observability"},
+      objectives{{{this, "objective_1", o.model.joints()},
+                  {this, "objective_2", o.model.joints()},
+                  {this, "objective_3", o.model.joints()}}} {
+  static_assert(kMaxContacts == 3);
   const ContactSettings& s = o.settings;
   auto& tare = Add<ResidualTare>("tare", {.joints = o.model.joints(),
                                           .period = o.period,
@@ -67,7 +71,9 @@ ContactTasks::ContactTasks(const Options& o)
     Connect(estimate.contacts, place.contacts);
     Connect(truth.contacts, place.true_contacts);
     Connect(dynamics, place.dynamics);
-    places[static_cast<std::size_t>(i)] = &place;
+    const auto k = static_cast<std::size_t>(i);
+    Connect(place.objective, objectives[k]);
+    places[k] = &place;
   }
 }
 

@@ -73,7 +73,9 @@ class ContactTasks final : public Composite {
   Output<Contacts> contacts;            ///< with F̂
   Output<ContactObservability> observability;
 
-  /// For each of the places: how far it is from where contact began, its objective and so on.
+  std::array<Output<Objective>, kMaxContacts> objectives;
+
+  /// For each of the places: how far it is from where contact began and so on.
   std::array<const ContactPlace*, kMaxContacts> places{};
 };
 
