@@ -128,8 +128,8 @@ TEST(ContactForceControl, RegulatesAgainstASpringWhereTheSignThatCfPrintsRunsAwa
 }
 
 TEST(ContactForceControl, IsStableOnSpringsUpToTheBoundThatTheLagOfTheForceLeaves) {
-  for (const double m_d : {1.5, 3.0, 12.0})
-    for (const double K_I : {20.0, 50.0, 200.0}) {
+  for (const double m_d : {1.5, 12.0})
+    for (const double K_I : {20.0, 200.0}) {
       const double bound = 10.5 * (K_I + 10.5 / m_d) / 4.1;
       const Excursion below = OnASpring(m_d, 0.75 * bound, K_I, 1, 12);
       EXPECT_LT(below.late, 0.9 * below.early) << m_d << " kg, " << K_I << " 1/s";
@@ -195,7 +195,8 @@ TEST(ContactForceControl, TheGuardHoldsAPointThatIsTooFastOrTooFarUntilItIsTouch
     EXPECT_EQ(last, stopped);
     // K_h = 500, D_h = 80, M_d = 5: overdamped, the slower pole 8.6 1/s.
     EXPECT_LT((x - at_stop).norm(), 1e-4);
-    EXPECT_GT(at_stop.norm(), speed ? 0.01 : 0.199);
+    // v²/2a, a = K_f F_d/M_d
+    EXPECT_GT(at_stop.norm(), speed ? 0.0065 : 0.199);
     EXPECT_LT(at_stop.norm(), 0.25);
     EXPECT_EQ(point.t.Get(point.t->wanted).norm(), 0);
 
@@ -244,8 +245,8 @@ TEST(ContactForceControl, RefusesSettingsThatAreNone) {
   };
   EXPECT_EQ(error([](auto& s) { s.speed_limit = 0; }), "speed_limit must be > 0 m/s, got 0");
   EXPECT_EQ(error([](auto& s) { s.way_limit = -1; }), "way_limit must be > 0 m, got -1");
-  EXPECT_THAT(error([](auto& s) { s.wanted = FixedForce{}; }),
-              testing::StartsWith("wanted.force[0] must be"));
+  EXPECT_EQ(error([](auto& s) { s.wanted = FixedForce{}; }),
+            "wanted.force[x] must be finite N, got nan");
   EXPECT_EQ(error([](auto& s) { s.wanted = CompatibleForce{.force = 15, .floor = 0}; }),
             "wanted: floor must be > 0 N, got 0");
   EXPECT_THAT(error([](auto& s) { s.force_gain = Number(-4); }),
