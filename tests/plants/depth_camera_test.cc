@@ -315,8 +315,11 @@ TEST(DepthCamera, RefusesWhatItCannotSee) {
       }),
       HasSubstr("rock: a depth camera sees hulls with sharp edges"));
   EXPECT_THAT(refused([](auto& o) {
-                o.model =
-                    RobotModel::FromUrdfText(R"(<robot name="ghost"><link name="base"/></robot>)");
+                o.model = RobotModel::FromUrdfText(R"(<robot name="ghost"><link name="base"/>
+                  <link name="arm"><inertial><mass value="1"/>
+                  <inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>
+                  <joint name="turn" type="continuous"><parent link="base"/><child link="arm"/>
+                  <axis xyz="0 0 1"/></joint></robot>)");
               }),
               HasSubstr("the robot 'ghost' has no collision shapes"));
 }
