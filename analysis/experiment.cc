@@ -139,6 +139,8 @@ class NamesCheck {
                     where + ": there are two figures named '" + of.file() + "'");
           },
           figure);
+    for (const NumberTable& table : experiment.tables)
+      At("table '" + table.title + "'", [&] { CheckPart(table); });
   }
 
  private:

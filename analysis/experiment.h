@@ -19,9 +19,11 @@
 #include "pliant/analysis/friction_figure.h"
 #include "pliant/analysis/least_claim.h"
 #include "pliant/analysis/motion_claims.h"
+#include "pliant/analysis/number_table.h"
 #include "pliant/analysis/order_claim.h"
 #include "pliant/analysis/path_figure.h"
 #include "pliant/analysis/phase_figure.h"
+#include "pliant/analysis/swing_claim.h"
 #include "pliant/diagrams/scenario.h"
 #include "pliant/plants/parameter_file.h"
 
@@ -47,12 +49,13 @@ struct RunOf {
 using ClaimCheck =
     std::variant<StandsStill, HoldsTool, YieldsAsInertia, KeepsLimits, DamperClaim, MovesAlong,
                  KeepsDoor, FollowsAsWell, ComesAsNear, KeepsContactLimits, BoundClaim, LeastClaim,
-                 OrderClaim, DifferenceClaim, EquivalenceClaim, FrictionIdentified>;
+                 OrderClaim, DifferenceClaim, EquivalenceClaim, FrictionIdentified, SwingClaim>;
 /// `Draw` makes the figure of the first repetition's runs, or of the numbers `Wanted` in each.
 using FigureOf = std::variant<VelocityFigure, PredictionFigure, LimitFigure, SignalFigure,
                               NormFigure, PhaseFigure, PathFigure, BarFigure, FrictionFigure>;
 
-/// A file that can be run: a scenario, its runs, the claims to check and the figures to draw.
+/// A file that can be run: a scenario, its runs, the claims to check, the figures to draw
+/// and the tables to fill.
 struct Experiment {
   std::string title;
   std::string summary;
@@ -61,6 +64,7 @@ struct Experiment {
   std::vector<RunOf> runs = {};  ///< none: one, named "run"
   std::vector<ClaimCheck> claims = {};
   std::vector<FigureOf> figures = {};
+  std::vector<NumberTable> tables = {};
 
   template <class F>
   void Parameters(F&& f) {
@@ -71,6 +75,7 @@ struct Experiment {
     f("runs", runs);
     f("claims", claims);
     f("figures", figures);
+    f("tables", tables);
   }
 };
 

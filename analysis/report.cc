@@ -68,7 +68,8 @@ void CheckTiming(const Timing& t) {
 void Check(const Report& report) {
   Require(!report.title.empty(), "a report has a title");
   CheckClaims(report.claims);
-  for (const Table& table : report.tables) CheckTable(table);
+  for (const auto* tables : {&report.results, &report.tables})
+    for (const Table& table : *tables) CheckTable(table);
   std::set<std::string> names;
   for (const Figure& figure : report.figures) {
     internal::CheckFigure(figure);
@@ -78,10 +79,10 @@ void Check(const Report& report) {
   if (report.timing) CheckTiming(*report.timing);
 }
 
-std::string Verdict(const std::vector<Claim>& claims) {
+std::string Verdict(const Report& report) {
   using Json = nlohmann::ordered_json;
   Json list = Json::array();
-  for (const Claim& claim : claims)
+  for (const Claim& claim : report.claims)
     list.push_back({{"id", claim.id},
                     {"source", claim.source},
                     {"paper", claim.paper},
@@ -89,7 +90,13 @@ std::string Verdict(const std::vector<Claim>& claims) {
                     {"criterion", claim.criterion},
                     {"basis", claim.basis},
                     {"holds", claim.holds}});
-  const Json verdict = {{"claims", std::move(list)}};
+  Json tables = Json::array();
+  for (const Table& table : report.results)
+    tables.push_back({{"title", table.title},
+                      {"columns", table.columns},
+                      {"rows", table.rows},
+                      {"caption", table.caption}});
+  const Json verdict = {{"claims", std::move(list)}, {"tables", std::move(tables)}};
   return verdict.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
@@ -121,7 +128,7 @@ void WriteReport(const Report& report, const Runs& runs, const std::filesystem::
   for (const Figure& figure : report.figures)
     drawings.push_back(DrawFigure(figure, directory / "figures"));
   internal::WriteFile(directory / "report.html", internal::ReportPage(report, drawings, runs));
-  internal::WriteFile(directory / "verdict.json", Verdict(report.claims));
+  internal::WriteFile(directory / "verdict.json", Verdict(report));
 }
 
 }  // namespace pliant

@@ -61,6 +61,7 @@ struct Report {
   std::string summary;  ///< one paragraph
   std::vector<Setting> settings = {};
   std::vector<Claim> claims = {};
+  std::vector<Table> results = {};  ///< what was asked for beside the claims
   std::vector<Figure> figures = {};
   std::vector<Table> tables = {};
   std::optional<Timing> timing = {};
@@ -71,7 +72,8 @@ class Runs;
 /// Writes
 ///
 ///   verdict.json               {"claims": [{"id", "source", "paper", "measured", "criterion",
-///                              "basis", "holds"}]}
+///                              "basis", "holds"}], "tables": the results, [{"title",
+///                              "columns", "rows", "caption"}]}
 ///   figures/NAME.svg .pdf …    see DrawFigure
 ///   report.html                all of it in one page that asks for no other file, with the runs of
 ///                              one repetition, to zoom into and to replay

@@ -264,6 +264,7 @@ std::string internal::ReportPage(const Report& report, const std::vector<std::st
   std::string before = In("h1", Escaped(report.title)) + TallyOf(report.claims) +
                        In("p", Escaped(report.summary)) + SettingsOf(report.settings) +
                        ScenarioOf(runs) + ClaimsOf(report.claims);
+  for (const Table& table : report.results) before += TableOf(table);
   std::string behind = FiguresOf(report.figures, drawings);
   for (const Table& table : report.tables) behind += TableOf(table);
   if (report.timing) behind += TableOf(TimingTable(*report.timing));

@@ -239,6 +239,19 @@ std::string EstimatorOf(const ComplianceControl::Options& c) {
   return "none: external torques are taken for 0";
 }
 
+std::string ContactsOf(const ContactSettings& c) {
+  const auto text = [](const TaskMatrix& given, const std::string& unit) {
+    return given.size() == 0 ? std::string("natural") : MatrixText(given) + " " + unit;
+  };
+  if (const auto* impedance = std::get_if<ContactImpedance::Gains>(&c.behavior))
+    return "impedance at contacts: M_d " + text(impedance->inertia, "kg") + ", K_d " +
+           text(impedance->damping, "N·s/m") + ", K_p " + text(impedance->stiffness, "N/m");
+  const auto& force = std::get<ContactForceControl::Settings>(c.behavior);
+  return "force control at contacts: M_d " + text(force.inertia, "kg") + ", K_d " +
+         text(force.damping, "N·s/m") + ", K_f " + text(force.force_gain, "") + "; guard " +
+         Text(force.speed_limit) + " m/s, " + Text(force.way_limit) + " m";
+}
+
 /// What a kind of controller has to say of itself, under the same names for all kinds.
 std::vector<Setting> SettingsOf(const ComplianceControl::Options& c) {
   const auto gains = [](const auto& g) {
@@ -250,8 +263,11 @@ std::vector<Setting> SettingsOf(const ComplianceControl::Options& c) {
     };
     return text(g.stiffness) + " 1/s², " + text(g.damping) + " 1/s, weight " + Text(g.weight);
   };
-  return {{"controller", "one QP at " + c.period.text() + ": pose of " + c.tool + " " +
-                             gains(c.pose) + "; posture " + gains(c.posture)},
+  return {{"controller",
+           "one QP at " + c.period.text() + ": pose of " + c.tool + " " + gains(c.pose) +
+               "; posture " + gains(c.posture) +
+               (c.contacts ? "; " + ContactsOf(*c.contacts) + ", weight " + Text(c.contact_weight)
+                           : "")},
           {"limits", LimitsOf(c)},
           {"estimator", EstimatorOf(c)},
           {"compliance", c.modes ? "as the modes say"
@@ -274,10 +290,82 @@ std::vector<Setting> SettingsOf(const FrictionExperiment::Options& c) {
           {"compliance", "none"}};
 }
 
+std::string MotionOf(const ToolMotionChoice& choice) {
+  if (const auto* o = std::get_if<CircleGenerator::Options>(&choice))
+    return "round a circle of " + Text(o->radius) + " m at " + Text(o->angular_velocity) +
+           " rad/s, k_ρ = " + Text(o->radial_gain) + " 1/s, k_P = " + Text(o->height_gain) +
+           " 1/s, k_D = " + Text(o->height_damping);
+  if (const auto* o = std::get_if<LimitCycleGenerator::Options>(&choice))
+    return "round a curve of " + Text(o->radius) + " m and " + Text(o->harmonics.size()) +
+           " harmonics at " + Text(o->angular_velocity) + " rad/s, k_ρ = " + Text(o->radial_gain) +
+           " 1/s, k_P = " + Text(o->height_gain) + " 1/s, k_D = " + Text(o->height_damping);
+  if (const auto* o = std::get_if<GoalGenerator::Options>(&choice))
+    return "to a point with at most " + Text(o->speed) + " m/s, A = " + MatrixText(o->gain) +
+           " 1/s";
+  const auto& o = std::get<ClassicalMotion>(choice);
+  return "by impedance about a point on a circle, " + Text(o.circle.speed) +
+         " rad/s, K_c = " + Text(o.stiffness.transpose()) + " N/m";
+}
+
+std::string NullSpaceTorqueOf(const NullSpaceChoice& choice) {
+  const auto impedance = [](const std::string& name, const PrintedNullSpaceTorque& o) {
+    return name + ", d_n = " + Text(o.damping) + ", α_f = " + Text(o.friction_gain) +
+           ", α_d = " + Text(o.damping_gain);
+  };
+  const auto reaction = [](const ObservedNullSpaceTorque& o) {
+    return "k_n = " + Text(o.null_space_gain) + ", k_t = " + Text(o.tool_gain) +
+           ", D_n = " + Text(o.damping);
+  };
+  if (const auto* o = std::get_if<PrintedNullSpaceTorque>(&choice))
+    return impedance("impedance as printed", *o);
+  if (const auto* o = std::get_if<MeantNullSpaceTorque>(&choice))
+    return impedance("impedance as meant", *o);
+  if (const auto* o = std::get_if<ObservedNullSpaceTorque>(&choice))
+    return "reaction to the momentum observer, " + reaction(*o);
+  if (const auto* o = std::get_if<RegressedNullSpaceTorque>(&choice))
+    return "reaction to least squares, " + reaction(*o);
+  return "no torque";
+}
+
+std::vector<Setting> SettingsOf(const NullSpaceControl::Options& c) {
+  const auto* regression = std::get_if<RegressedNullSpaceTorque>(&c.null_space);
+  return {
+      {"controller",
+       c.tool + " at " + c.period.text() + " " + MotionOf(c.motion) +
+           "; D = " + Text(c.damping.transpose()) + " N·s/m, k_p = " + Text(c.tracking.gain) +
+           ", k_d = " + Text(c.tracking.rate_gain_s) +
+           " s; K_ω = " + Text(c.orientation.stiffness.transpose()) +
+           " N·m/rad, D_ω = " + Text(c.orientation.damping.transpose()) + " N·m·s/rad"},
+      {"limits", "none"},
+      {"estimator", regression ? "least squares that forget, T = " + Text(regression->memory_s) +
+                                     " s, r₀ = " + Text(regression->prior)
+                               : "momentum observer, K_I = " + Text(c.observer_gain) + " 1/s"},
+      {"compliance", "null space: " + NullSpaceTorqueOf(c.null_space)}};
+}
+
+std::string DetectionOf(const ContactSettings& c) {
+  return "its offset taken from " + Text(c.tare_from_s) + " s to " + Text(c.tare_until_s) +
+         " s; contact above " + MatrixText(c.threshold) + " N·m";
+}
+
+std::vector<Setting> SettingsOf(const ContactControl::Options& c) {
+  return {{"controller", c.period.text() + ", " + ContactsOf(c.contact)},
+          {"limits", "torques of the joints"},
+          {"estimator",
+           "momentum observer, K_I = " + Text(c.observer_gain) + " 1/s, " + DetectionOf(c.contact)},
+          {"compliance", "none"}};
+}
+
 /// What makes currents of torques.
 std::string LoopOf(const ArmController& controller) {
-  const auto* c = std::get_if<ComplianceControl::Options>(&controller);
-  return c ? ", " + TorqueLoopText(c->torque_loop) : "";
+  return std::visit(
+      [](const auto& c) -> std::string {
+        if constexpr (requires { c.torque_loop; })
+          return c.low_level ? ", " + TorqueLoopText(c.torque_loop) : "";
+        else
+          return "";
+      },
+      controller);
 }
 
 std::vector<Setting> SettingsOfRun(const RunData& run) {
@@ -393,6 +481,7 @@ class Reporting {
       std::visit([&](const auto& of) { claims_.push_back(NumbersOf(of)); }, check);
     for (const FigureOf& figure : experiment.figures)
       std::visit([&](const auto& of) { figures_.push_back(NumbersOf(of)); }, figure);
+    for (const NumberTable& table : experiment.tables) tables_.push_back(table.Wanted());
   }
 
   void Add(const Runs& runs) {
@@ -406,8 +495,9 @@ class Reporting {
             });
           },
           experiment_.claims[i]);
-    for (std::vector<RepeatedNumber>& numbers : figures_)
-      for (RepeatedNumber& number : numbers) number.Add(runs);
+    for (auto* all : {&figures_, &tables_})
+      for (std::vector<RepeatedNumber>& numbers : *all)
+        for (RepeatedNumber& number : numbers) number.Add(runs);
     for (std::size_t i = 0; repetitions_ == 1 && i < experiment_.figures.size(); ++i)
       std::visit(
           [&](const auto& of) {
@@ -445,6 +535,8 @@ class Reporting {
               report_.figures[i] = of.Draw(figures_[i]);
           },
           experiment_.figures[i]);
+    for (std::size_t i = 0; i < tables_.size(); ++i)
+      report_.results.push_back(experiment_.tables[i].Show(tables_[i]));
     for (const auto* all : {&claims_, &figures_})
       for (const std::vector<RepeatedNumber>& numbers : *all)
         measured.insert(measured.end(), numbers.begin(), numbers.end());
@@ -475,7 +567,7 @@ class Reporting {
   Report report_;
   int repetitions_ = 0;
   std::vector<RepeatedCheck> checks_;  // one for each claim, as are the numbers
-  std::vector<std::vector<RepeatedNumber>> claims_, figures_;
+  std::vector<std::vector<RepeatedNumber>> claims_, figures_, tables_;
   std::array<JointExtents, 3> extents_{
       {{"Joint positions, all runs", "rad", "arm.measured_position", &Joint::lower, &Joint::upper,
         1},

@@ -11,6 +11,7 @@
 #include "pliant/controllers/posture_task.h"
 #include "pliant/controllers/torque_error.h"
 #include "pliant/controllers/torque_to_current.h"
+#include "pliant/diagrams/torque_actuation.h"
 #include "pliant/plants/model_dynamics.h"
 #include "pliant/systems/constant.h"
 #include "pliant/systems/switch.h"
@@ -210,6 +211,7 @@ ComplianceControl::ComplianceControl(const Options& o)
       wrench{this, "wrench", {}, Wrench()},
       measured_current{this, "measured_current", o.model.joints(),
                        MotorCurrent::Zero(o.model.joints())},
+      contacts{this, "contacts"},
       torque{this, "torque", o.model.joints()},
       current{this, "current", o.model.joints()},
       torque_error{this, "torque_error", o.model.joints()},
@@ -340,9 +342,33 @@ ComplianceControl::ComplianceControl(const Options& o)
   Connect(dynamics.dynamics, posture.dynamics);
   Connect(dynamics.dynamics, damper.dynamics);
   Connect(dynamics.dynamics, qp.dynamics);
+  const Output<JointTorque>* known = &estimate.external_torque;
+  if (o.contacts) {
+    Require(o.estimate == TorqueEstimate::Observer || o.estimate == TorqueEstimate::SuperTwisting,
+            "contacts are found by the residual of an observer, so estimate must be observer or "
+            "super_twisting");
+    Require(!open_loop && !switches,
+            "contacts are of an arm that is commanded torques; expected the command torque and no "
+            "modes.control");
+    auto& tasks = Add<ContactTasks>("tasks", {.model = o.model,
+                                              .period = o.period,
+                                              .settings = *o.contacts,
+                                              .weight = o.contact_weight});
+    Connect(dynamics.dynamics, tasks.dynamics);
+    Connect(estimate.residual, tasks.raw_residual);
+    Connect(contacts, tasks.forces);
+    if (tasks.image) {
+      image.emplace(this, "image");
+      Connect(*image, *tasks.image);
+    }
+    for (const ContactPlace* place : tasks.places) Connect(place->objective, qp.objectives);
+    known = &tasks.residual;
+    contact_tasks = &tasks;
+  }
+  Connect(*known, external_torque);
   if (o.estimate != TorqueEstimate::Zero) {
-    Connect(estimate.external_torque, external.external_torque);
-    Connect(estimate.external_torque, qp.external_torque);
+    Connect(*known, external.external_torque);
+    Connect(*known, qp.external_torque);
     Connect(external.acceleration, pose.external_acceleration);
     Connect(external.acceleration, posture.external_acceleration);
   }
@@ -465,7 +491,6 @@ ComplianceControl::ComplianceControl(const Options& o)
 
   Connect(qp.torque, torque);
   Connect(qp.acceleration, acceleration);
-  Connect(estimate.external_torque, external_torque);
   Connect(estimate.residual, residual);
   Connect(estimate.contact, contact);
   auto& errors = Add<PoseErrors>("pose_errors");
@@ -487,6 +512,26 @@ ComplianceControl::ComplianceControl(const Options& o)
     Connect(Add<Constant<ControlMode>>("arm_mode", {.value = in}).y, arm_mode);
     Connect(Add<Constant<bool>>("braking", {.value = false}).y, braking);
   }
+  const auto add_actuation = [&](const std::string& name,
+                                 const TorqueLoopChoice& choice) -> TorqueActuation& {
+    auto& actuation = Add<TorqueActuation>(name, {.joints = joints,
+                                                  .rotor_inertia = o.rotor_inertia,
+                                                  .motors = o.low_level,
+                                                  .loop = choice});
+    Connect(qp.torque, actuation.torque);
+    Connect(qp.acceleration, actuation.acceleration);
+    Connect(measured_velocity, actuation.measured_velocity);
+    return actuation;
+  };
+  if (!chooses) {
+    auto& actuation = add_actuation("low_level", o.torque_loop);
+    Connect(measured_torque, actuation.measured_torque);
+    Connect(actuation.current, current);
+    Connect(actuation.torque_error, torque_error);
+    Connect(actuation.saturated, saturated);
+    return;
+  }
+
   const PerJoint rotors =
       o.rotor_inertia.size() > 0 ? o.rotor_inertia : PerJoint(PerJoint::Zero(n));
   auto& miss = Add<TorqueError>("torque_error", {.joints = joints, .reflected_inertia = rotors});
@@ -494,71 +539,44 @@ ComplianceControl::ComplianceControl(const Options& o)
   Connect(qp.acceleration, miss.acceleration);
   Connect(measured_torque, miss.measured);
   Connect(miss.error, torque_error);
-
-  const auto add_loop = [&](const std::string& name, const auto& choice) -> TorqueLoop& {
-    const auto options = TorqueLoopOf(*o.low_level, choice);
-    using Loop =
-        typename BlockOf<LowLevelTorque, KinovaHighVelocityTorque,
-                         KinovaDampedTorque>::template type<std::remove_cv_t<decltype(options)>>;
-    auto& loop = Add<Loop>(name, options);
-    Connect(qp.torque, loop.torque);
-    Connect(qp.acceleration, loop.acceleration);
-    Connect(measured_velocity, loop.measured_velocity);
-    return loop;
+  auto& fade = Add<CurrentFade>(
+      "fade", {.joints = joints,
+               .change_s = o.modes->supervisor.change_s,
+               .current_limit = o.low_level ? o.low_level->current_limit : MotorCurrent{},
+               .period = o.period});
+  Connect(chooses->control, fade.control);
+  Connect(measured_current, fade.measured_current);
+  Connect(fade.current, current);
+  Connect(fade.saturated, saturated);
+  // A loop that does not move the arm sees no error, so that nothing builds up in it: in place of
+  // the measured torque it is told the one it takes for reached.
+  const auto add_fading = [&](const std::string& name, ArmControl control,
+                              const TorqueLoopChoice& choice, const auto& reached,
+                              Input<MotorCurrent>& to, Input<JointBits>& cut) {
+    auto& loop = add_actuation(name, choice);
+    auto& moves = Add<Moves>(name + "_moves", {.control = control});
+    auto& sees = Add<Switch<JointTorque>>(name + "_sees", {.space = joints});
+    Connect(chooses->control, moves.control);
+    Connect(moves.y, sees.select);
+    Connect(measured_torque, sees.on);
+    Connect(reached, sees.off);
+    Connect(sees.y, loop.measured_torque);
+    Connect(loop.current, to);
+    Connect(loop.saturated, cut);
   };
-  if (chooses) {
-    auto& fade = Add<CurrentFade>(
-        "fade", {.joints = joints,
-                 .change_s = o.modes->supervisor.change_s,
-                 .current_limit = o.low_level ? o.low_level->current_limit : MotorCurrent{},
-                 .period = o.period});
-    Connect(chooses->control, fade.control);
-    Connect(measured_current, fade.measured_current);
-    Connect(fade.current, current);
-    Connect(fade.saturated, saturated);
-    // A loop that does not move the arm sees no error, so that nothing builds up in it: in place of
-    // the measured torque it is told the one it takes for reached.
-    const auto add_fading = [&](const std::string& name, ArmControl control, const auto& choice,
-                                const auto& reached, Input<MotorCurrent>& to,
-                                Input<JointBits>& cut) {
-      TorqueLoop& loop = add_loop(name, choice);
-      auto& moves = Add<Moves>(name + "_moves", {.control = control});
-      auto& sees = Add<Switch<JointTorque>>(name + "_sees", {.space = joints});
-      Connect(chooses->control, moves.control);
-      Connect(moves.y, sees.select);
-      Connect(measured_torque, sees.on);
-      Connect(reached, sees.off);
-      Connect(sees.y, loop.measured_torque);
-      Connect(loop.current, to);
-      Connect(loop.saturated, cut);
-    };
-    if (o.low_level) {
-      add_fading("low_level", ArmControl::ProposedTorque,
-                 std::get<ProposedTorqueLoop>(o.torque_loop), miss.link, fade.proposed,
-                 fade.proposed_saturated);
-      add_fading("kinova", ArmControl::KinovaTorque,
-                 o.modes->kinova_loop.value_or(
-                     KinovaDampedLoop{.feedforward = 1, .gain = 0, .damping = 0}),
-                 qp.torque, fade.kinova, fade.kinova_saturated);
-    } else {
-      auto& motors = Add<TorqueToCurrent>(
-          "motors", {.joints = joints, .torque_per_ampere = PerJoint::Ones(n), .period = o.period});
-      Connect(qp.torque, motors.torque);
-      Connect(motors.current, fade.proposed);
-      Connect(motors.current, fade.kinova);
-    }
-  } else if (o.low_level) {
-    TorqueLoop& low_level =
-        std::visit([&](const auto& choice) -> TorqueLoop& { return add_loop("low_level", choice); },
-                   o.torque_loop);
-    Connect(measured_torque, low_level.measured_torque);
-    Connect(low_level.current, current);
-    Connect(low_level.saturated, saturated);
+  if (o.low_level) {
+    add_fading("low_level", ArmControl::ProposedTorque, o.torque_loop, miss.link, fade.proposed,
+               fade.proposed_saturated);
+    add_fading(
+        "kinova", ArmControl::KinovaTorque,
+        o.modes->kinova_loop.value_or(KinovaDampedLoop{.feedforward = 1, .gain = 0, .damping = 0}),
+        qp.torque, fade.kinova, fade.kinova_saturated);
   } else {
-    auto& none = Add<Constant<MotorCurrent>>(
-        "low_level", {.space = joints, .value = MotorCurrent::Zero(joints)});
-    Connect(none.y, current);
-    Connect(Add<Constant<JointBits>>("saturated", {.value = 0}).y, saturated);
+    auto& motors = Add<TorqueToCurrent>(
+        "motors", {.joints = joints, .torque_per_ampere = PerJoint::Ones(n), .period = o.period});
+    Connect(qp.torque, motors.torque);
+    Connect(motors.current, fade.proposed);
+    Connect(motors.current, fade.kinova);
   }
 }
 

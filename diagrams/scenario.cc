@@ -6,9 +6,9 @@
 #include <numbers>
 #include <type_traits>
 
+#include "pliant/controllers/pose_reference.h"
 #include "pliant/plants/model_dynamics.h"
 #include "pliant/plants/shared_file.h"
-#include "pliant/systems/constant.h"
 #include "pliant/systems/nearest_name.h"
 #include "pliant/systems/pulse.h"
 #include "pliant/systems/random.h"
@@ -20,7 +20,7 @@ namespace {
 
 /// What random numbers are for: other numbers than those of sensors and of models with errors, so
 /// that all may have one seed.
-enum Use : std::uint64_t { kScatter = 400 };
+enum Use : std::uint64_t { kScatter = 400, kCamera = 500 };
 
 /// Assumed where an arm has no friction: a pace for ramps and steps [N·m], [N·m·s/rad].
 constexpr double kLeastFriction = 0.1;
@@ -73,16 +73,25 @@ ArmActuators AssumedActuators(const Scenario& scenario, const SimulatedArm::Opti
       scenario.model_error);
 }
 
-/// What of a controller depends on its kind: the actuators, and what hangs on the arm.
+/// What the torque loop of a controller has to drive: nothing if the arm takes torques.
+std::optional<LowLevelTorque::Options> MotorsOf(const RobotModel& assumed, const Scenario& scenario,
+                                                const SimulatedArm::Options& arm) {
+  if (std::get<StationOptions>(scenario.station).ideal || arm.firmware.compensated) {
+    Require(scenario.assumed_friction.empty(),
+            "assumed_friction is of the loop that makes currents of torques, and this arm takes "
+            "torques; leave it out, or give a robot such as gen3 and a station that is not ideal");
+    return {};
+  }
+  return LowLevelTorqueOf(AssumedActuators(scenario, arm), assumed, PeriodOf(arm));
+}
+
+/// What of a controller depends on its kind.
 void Complete(ComplianceControl::Options& control, const Scenario& scenario,
               const SimulatedArm::Options& arm) {
   const bool ideal = std::get<StationOptions>(scenario.station).ideal;
-  Require(!ideal || scenario.assumed_friction.empty(),
-          "assumed_friction is of the current loop of !Compliance, and an ideal station has none; "
-          "leave it out, or give a station that is not ideal");
-  if (!ideal)
-    control.low_level =
-        LowLevelTorqueOf(AssumedActuators(scenario, arm), control.model, control.period);
+  Require(ideal || !arm.firmware.compensated || !(control.modes && control.modes->control),
+          "modes.control switches between currents, and robot '" + scenario.robot +
+              "' takes torques; leave it out, or give a robot such as gen3");
   if (control.collisions && control.collisions->pairs == CollisionPairs{})
     control.collisions->pairs =
         CollisionPairs::Read(ModelFile(ArmOf(scenario).collisions), control.model);
@@ -91,6 +100,9 @@ void Complete(ComplianceControl::Options& control, const Scenario& scenario,
 
 void Complete(FrictionExperiment::Options& control, const Scenario& scenario,
               const SimulatedArm::Options& arm) {
+  Require(!arm.firmware.compensated, "!FrictionExperiment commands currents, and robot '" +
+                                         scenario.robot +
+                                         "' takes torques: expected a robot such as gen3");
   const ArmActuators assumed = AssumedActuators(scenario, arm);
   const auto friction = [&](double FrictionParameters::*figure) {
     return FiguresOf(assumed.joint, [figure](const ActuatorParameters& p) {
@@ -110,13 +122,47 @@ void Complete(FrictionExperiment::Options& control, const Scenario& scenario,
           scenario.duration_s);
 }
 
+void Complete(NullSpaceControl::Options& control, const Scenario& scenario,
+              const SimulatedArm::Options& arm) {
+  control.coulomb = FiguresOf(AssumedActuators(scenario, arm).joint,
+                              [](const ActuatorParameters& p) { return p.friction.coulomb; });
+}
+
+/// How contacts are seen; null if they are not.
+const SeenContacts* SightOf(const ArmController& controller) {
+  const ContactSettings* settings = nullptr;
+  if (const auto* contact = std::get_if<ContactControl::Options>(&controller))
+    settings = &contact->contact;
+  const auto* compliance = std::get_if<ComplianceControl::Options>(&controller);
+  if (compliance && compliance->contacts) settings = &*compliance->contacts;
+  return settings ? std::get_if<SeenContacts>(&settings->localization) : nullptr;
+}
+
+void Complete(ContactControl::Options&, const Scenario&, const SimulatedArm::Options&) {}
+
 /// The mode of the arm that a controller is made for.
+ControlMode TorqueMode(const std::optional<LowLevelTorque::Options>& motors) {
+  return motors ? ControlMode::Current : ControlMode::Torque;
+}
 ControlMode ModeOf(const ComplianceControl::Options& control) {
   return control.command == ArmCommand::Position ? ControlMode::Position
-         : control.low_level                     ? ControlMode::Current
-                                                 : ControlMode::Torque;
+                                                 : TorqueMode(control.low_level);
 }
 ControlMode ModeOf(const FrictionExperiment::Options&) { return ControlMode::Current; }
+ControlMode ModeOf(const NullSpaceControl::Options& control) {
+  return TorqueMode(control.low_level);
+}
+ControlMode ModeOf(const ContactControl::Options& control) { return TorqueMode(control.low_level); }
+
+/// What of contacts is.
+void Append(std::vector<const internal::Value*>& values, const ContactTasks& tasks) {
+  values.insert(values.end(),
+                {&tasks.residual, &tasks.touched, &tasks.link, &tasks.external_torque,
+                 &tasks.contacts, &tasks.observability, &tasks.sight, &tasks.place_error});
+  for (const ContactPlace* place : tasks.places)
+    values.insert(values.end(), {&place->error, &place->velocity, &place->force,
+                                 &place->force_error, &place->wanted, &place->status});
+}
 
 /// What of a controller is worth a place in the log.
 std::vector<const internal::Value*> RecordedOf(const ComplianceControl& control,
@@ -129,6 +175,7 @@ std::vector<const internal::Value*> RecordedOf(const ComplianceControl& control,
   if (o.collisions) values.push_back(&control.distance);
   if (o.door) values.push_back(&control.door);
   if (o.modes) values.push_back(&control.yields);
+  if (o.contacts) Append(values, *control.contact_tasks);
   if (o.modes && o.modes->control)
     values.insert(values.end(), {&control.arm_mode, &control.arm_control, &control.braking});
   return values;
@@ -137,6 +184,24 @@ std::vector<const internal::Value*> RecordedOf(const FrictionExperiment& control
                                                const FrictionExperiment::Options&) {
   return {&control.current,       &control.torque,          &control.reference,
           &control.break_away_up, &control.break_away_down, &control.report};
+}
+std::vector<const internal::Value*> RecordedOf(const NullSpaceControl& control,
+                                               const NullSpaceControl::Options&) {
+  return {&control.torque,          &control.current,     &control.torque_error,
+          &control.saturated,       &control.tool_torque, &control.null_space_torque,
+          &control.external_torque, &control.desired,     &control.velocity_error,
+          &control.target,          &control.path_error,  &control.orientation_error,
+          &control.storage,         &control.supply,      &control.excess,
+          &control.least_singular};
+}
+
+std::vector<const internal::Value*> RecordedOf(const ContactControl& control,
+                                               const ContactControl::Options&) {
+  std::vector<const internal::Value*> values{&control.torque,       &control.current,
+                                             &control.torque_error, &control.saturated,
+                                             &control.acceleration, &control.report};
+  Append(values, *control.contact_tasks);
+  return values;
 }
 
 Duration Seconds(double s) {
@@ -157,6 +222,47 @@ class ToolMotion final : public Block {
   Output<Pose> pose{this, "pose"};
   Output<Twist> twist{this, "twist"};
 };
+
+/// The torque that is left to command where the arm makes that of gravity itself.
+class WithoutWeight final : public Block {
+ public:
+  explicit WithoutWeight(const Joints& joints)
+      : torque{this, "torque", joints},
+        dynamics{this, "dynamics", joints},
+        command{this, "command", joints} {
+    Compute(command).From(torque, dynamics).As([](const JointTorque& tau, const RobotDynamics& d) {
+      return JointTorque(tau - d.gravity);
+    });
+  }
+  Input<JointTorque> torque;
+  Input<RobotDynamics> dynamics;
+  Output<JointTorque> command;
+};
+
+/// Where a hand that follows a pose wants its point, and how fast.
+class HandCourse final : public Block {
+ public:
+  HandCourse() {
+    Compute(path).From(pose).As([](const Pose& X) { return Position(X.position); });
+    Compute(velocity).From(twist).As([](const Twist& V) { return LinearVelocity(V.tail<3>()); });
+  }
+  Input<Pose> pose{this, "pose"};
+  Input<Twist> twist{this, "twist"};
+  Output<Position> path{this, "path"};
+  Output<LinearVelocity> velocity{this, "velocity"};
+};
+
+/// The way of a hand since it took hold.
+PoseWaypoints::Options CourseOf(const HandHold& hold) {
+  PoseWaypoints::Options course{.waypoints = {{.time_s = hold.start_s, .pose = {}}}};
+  for (const HandWaypoint& next : hold.path) {
+    const double time = hold.start_s + next.after_s;
+    Require(time > course.waypoints.back().time_s,
+            "after_s of a hand's path must be in order of time", next.after_s);
+    course.waypoints.push_back({.time_s = time, .pose = {.position = next.by}});
+  }
+  return course;
+}
 
 /// Adds the parts of an environment, named push_1, push_2, hand_1, …
 class Environment {
@@ -180,8 +286,12 @@ class Environment {
         name + "_grip",
         {.high = 1, .at = Seconds(hold.start_s), .width = Seconds(hold.duration_s)});
     auto& hand = builder_.Add<Hand>(name, options);
-    auto& place = builder_.Add<Constant<Position>>(name + "_path", {.value = Position()});
-    builder_.Connect(place.y, hand.path);
+    auto& way = builder_.Add<PoseWaypoints>(name + "_way", CourseOf(hold));
+    auto& course = builder_.Add<HandCourse>(name + "_course");
+    builder_.Connect(way.pose, course.pose);
+    builder_.Connect(way.twist, course.twist);
+    builder_.Connect(course.path, hand.path);
+    builder_.Connect(course.velocity, hand.path_velocity);
     builder_.Connect(grip.y, hand.grip);
     builder_.Connect(arm_.motion, hand.motion);
     Contact(hand.contact);
@@ -202,6 +312,7 @@ class Environment {
     recorded.push_back(&surface.penetration);
   }
 
+  std::vector<const Output<ContactForce>*> contacts;
   std::vector<const internal::Value*> recorded;
 
  private:
@@ -211,6 +322,7 @@ class Environment {
   void Contact(const Output<ContactForce>& contact) {
     builder_.Connect(contact, arm_.contacts);
     builder_.Connect(contact, true_torque_.contacts);
+    contacts.push_back(&contact);
     recorded.push_back(&contact);
   }
 
@@ -274,13 +386,12 @@ ArmController ControllerOf(const Scenario& scenario, const SimulatedArm::Options
   ArmController controller = scenario.controller;
   std::visit(
       [&](auto& control) {
-        Require(!arm.firmware.compensated,
-                "robot '" + scenario.robot + "' carries its own weight, and !" + control.kTag +
-                    " commands gravity: expected a robot that does not, such as gen3");
         control.model = Perturbed(ModelOf(scenario), scenario.model_error);
         control.position = arm.position;
         control.rotor_inertia = arm.actuators.reflected_inertia();
         control.period = PeriodOf(arm);
+        if constexpr (requires { control.low_level; })
+          control.low_level = MotorsOf(control.model, scenario, arm);
         Complete(control, scenario, arm);
       },
       controller);
@@ -315,11 +426,22 @@ ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<Recor
   arm = &b.Add<SimulatedArm>("arm", station);
   Environment environment(b, *arm, *true_torque, station.model, period);
   for (const EnvironmentPart& part : scenario.environment) std::visit(environment, part);
+  const auto* compliant = std::get_if<NullSpaceControl::Options>(&controller);
   if (compliance)
     control = &b.Add<ComplianceControl>("control", *compliance);
+  else if (compliant)
+    null_space = &b.Add<NullSpaceControl>("control", *compliant);
+  else if (const auto* test = std::get_if<FrictionExperiment::Options>(&controller))
+    friction = &b.Add<FrictionExperiment>("control", *test);
   else
-    friction =
-        &b.Add<FrictionExperiment>("control", std::get<FrictionExperiment::Options>(controller));
+    contact = &b.Add<ContactControl>("control", std::get<ContactControl::Options>(controller));
+  DepthCamera* camera = nullptr;
+  if (const SeenContacts* seen = SightOf(controller)) {
+    camera = &b.Add<DepthCamera>("camera", CameraOf(*seen, station.model, scenario.seed + kCamera));
+    b.Connect(arm->position, camera->position);
+    for (const Output<ContactForce>* contact_force : environment.contacts)
+      b.Connect(*contact_force, camera->contacts);
+  }
   auto& tool = b.Add<ToolMotion>("tool", station.model.joints());
   const bool switches = compliance && compliance->modes && compliance->modes->control;
   Require(!switches || scenario.schedule.empty(),
@@ -339,16 +461,35 @@ ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<Recor
     b.Connect(arm->measured_velocity, to.measured_velocity);
     b.Connect(arm->measured_torque, to.measured_torque);
     b.Connect(to.current, arm->current_command);
+    if constexpr (requires { to.true_torque; }) b.Connect(true_torque->torque, to.true_torque);
+    if constexpr (requires { to.wrench; }) b.Connect(arm->wrench, to.wrench);
+    if constexpr (requires { to.contacts; })
+      for (const Output<ContactForce>* contact : environment.contacts)
+        b.Connect(*contact, to.contacts);
+    if constexpr (requires { to.image; })
+      if (camera) b.Connect(camera->image, *to.image);
+    if (!station.firmware.compensated) {
+      b.Connect(to.torque, arm->torque_command);
+      return;
+    }
+    auto& assumed = b.Add<ModelDynamics>("assumed_motion", {.model = ModelOf(controller)});
+    auto& carried = b.Add<WithoutWeight>("carried", station.model.joints());
+    b.Connect(arm->measured_position, assumed.position);
+    b.Connect(arm->measured_velocity, assumed.velocity);
+    b.Connect(to.torque, carried.torque);
+    b.Connect(assumed.dynamics, carried.dynamics);
+    b.Connect(carried.command, arm->torque_command);
   };
   if (control) {
     connect(*control);
-    b.Connect(true_torque->torque, control->true_torque);
-    b.Connect(arm->wrench, control->wrench);
-    b.Connect(control->torque, arm->torque_command);
     if (compliance->command == ArmCommand::Position || switches)
       b.Connect(control->position, arm->position_command);  // else it holds its start
-  } else {
+  } else if (null_space) {
+    connect(*null_space);
+  } else if (friction) {
     connect(*friction);
+  } else {
+    connect(*contact);
   }
   b.Connect(arm->motion, tool.motion);
   b.Connect(switches ? control->arm_mode : schedule->mode, arm->mode);
@@ -363,10 +504,17 @@ ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<Recor
          arm->measured_current, arm->wrench, arm->status, arm->position, arm->velocity,
          arm->joint_torque, arm->energy, tool.position, tool.pose, tool.twist, true_torque->torque);
   if (schedule) record(schedule->mode);
-  for (const internal::Value* value :
-       control ? RecordedOf(*control, *compliance)
-               : RecordedOf(*friction, std::get<FrictionExperiment::Options>(controller)))
-    b.Connect(*value, recorder.in);
+  const auto record_all = [&](const auto& of) {
+    for (const internal::Value* value : of) b.Connect(*value, recorder.in);
+  };
+  if (control)
+    record_all(RecordedOf(*control, *compliance));
+  else if (null_space)
+    record_all(RecordedOf(*null_space, *compliant));
+  else if (friction)
+    record_all(RecordedOf(*friction, std::get<FrictionExperiment::Options>(controller)));
+  else
+    record_all(RecordedOf(*contact, std::get<ContactControl::Options>(controller)));
 }
 
 }  // namespace pliant

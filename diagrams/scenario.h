@@ -9,8 +9,10 @@
 #include <vector>
 
 #include "pliant/diagrams/compliance_control.h"
+#include "pliant/diagrams/contact_control.h"
 #include "pliant/diagrams/friction_experiment.h"
 #include "pliant/diagrams/mode_schedule.h"
+#include "pliant/diagrams/null_space_control.h"
 #include "pliant/diagrams/simulated_arm.h"
 #include "pliant/diagrams/stations.h"
 #include "pliant/plants/hand.h"
@@ -24,19 +26,34 @@
 
 namespace pliant {
 
-/// A hand that takes hold of a link, where the link is then, and lets go of it again.
+/// Where a hand leads what it holds.
+struct HandWaypoint {
+  double after_s = kToBeGiven;                                 ///< since it took hold, > 0
+  Eigen::Vector3d by = Eigen::Vector3d::Constant(kToBeGiven);  ///< from there, world axes [m]
+
+  template <class F>
+  void Parameters(F&& f) {
+    f("after_s", after_s, "s", kPositive);
+    f("by", by, "m");
+  }
+};
+
+/// A hand that takes hold of a link, where the link is then, leads it from waypoint to waypoint
+/// with least jerk, and lets go of it again.
 struct HandHold {
   static constexpr const char* kTag = "Hand";
 
   Hand::Options hand = {};  ///< anchored
   double start_s = kToBeGiven;
   double duration_s = kToBeGiven;
+  std::vector<HandWaypoint> path = {};  ///< in order of time; none: it stays
 
   template <class F>
   void Parameters(F&& f) {
     hand.Parameters(f);
     f("start_s", start_s, "s", Between(0, 1e6));
     f("duration_s", duration_s, "s", Between(1e-9, 1e6));
+    f("path", path);
   }
 };
 
@@ -60,7 +77,8 @@ using EnvironmentPart =
     std::variant<Push::Options, HandHold, MassOnRope::Options, Surface::Options>;
 
 /// What commands the arm.
-using ArmController = std::variant<ComplianceControl::Options, FrictionExperiment::Options>;
+using ArmController = std::variant<ComplianceControl::Options, FrictionExperiment::Options,
+                                   NullSpaceControl::Options, ContactControl::Options>;
 
 /// The settings of a !Compliance; throws Error if the controller is of another kind.
 const ComplianceControl::Options& ComplianceOf(const ArmController& controller);
@@ -130,6 +148,9 @@ std::vector<Push::Options> PushesOf(const Scenario& scenario);
 ///        └─▶ true_torque ─▶ control
 ///   schedule ──────┘
 ///
+/// Controllers command the whole torque; of an arm that carries its own weight the gravity of their
+/// model is taken off again on the way to it.
+///
 /// True torques are those of contacts as a controller's ticks see them, by the plant's own model.
 /// What `sink` gets, if there is one: measurements and truth of the arm, contacts, and the
 /// ports of the controller. Throws Error with the path of the block that cannot be.
@@ -140,6 +161,8 @@ struct ScenarioDiagram {
   SimulatedArm* arm;
   ComplianceControl* control = nullptr;    ///< if it is !Compliance
   FrictionExperiment* friction = nullptr;  ///< if it is !FrictionExperiment
+  NullSpaceControl* null_space = nullptr;  ///< if it is !NullSpaceCompliance
+  ContactControl* contact = nullptr;       ///< if it is !ContactControl
   ContactTorque* true_torque;
   Duration control_period;
 };

@@ -1,6 +1,8 @@
 pliant_test(diagrams/compliance_control_test.cc LIBRARIES pliant::diagrams)
+pliant_test(diagrams/contact_control_test.cc LIBRARIES pliant::diagrams)
 pliant_test(diagrams/control_switching_test.cc LIBRARIES pliant::diagrams)
 pliant_test(diagrams/mode_schedule_test.cc LIBRARIES pliant::diagrams)
+pliant_test(diagrams/null_space_control_test.cc LIBRARIES pliant::diagrams)
 pliant_test(diagrams/scenario_test.cc LIBRARIES pliant::diagrams)
 pliant_test(diagrams/simulated_arm_test.cc LIBRARIES pliant::diagrams)
 pliant_test(diagrams/sway_loop_test.cc LIBRARIES pliant::diagrams)

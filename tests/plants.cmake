@@ -17,6 +17,7 @@ pliant_test(plants/simbody_and_sundials_test.cc
 target_link_options(plants_simbody_and_sundials_test PRIVATE LINKER:--exclude-libs,ALL)
 
 pliant_test(plants/push_test.cc LIBRARIES pliant::plants)
+pliant_test(plants/true_contacts_test.cc LIBRARIES pliant::plants)
 pliant_test(plants/simbody_plant_test.cc LIBRARIES pliant::plants)
 pliant_test(plants/actuator_parameters_test.cc LIBRARIES pliant::plants)
 pliant_test(plants/parameter_file_test.cc LIBRARIES pliant::plants)

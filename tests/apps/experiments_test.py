@@ -16,19 +16,28 @@ HEAD = "| claim | paper | measured | verdict |\n|---|---|---|---|\n"
 
 
 def run(pliant, name):
-    """The title of an experiment and its claims."""
+    """What came out of an experiment: its claims and its tables."""
     with tempfile.TemporaryDirectory() as out:
         ended = subprocess.run([pliant, "experiment", "run", name, "--out", out, "--jobs", "2", "--force"],
                                capture_output=True, text=True)
         if ended.returncode != 0:
             sys.exit(f"{name}: exit code {ended.returncode}\n{ended.stderr}")
-        return json.loads((pathlib.Path(out) / "verdict.json").read_text())["claims"]
+        return json.loads((pathlib.Path(out) / "verdict.json").read_text())
 
 
-def row(claim):
-    cells = [claim["id"], f'{claim["paper"]} ({claim["source"]})', claim["measured"],
-             "holds" if claim["holds"] else "**fails**"]
+def row(cells):
     return "| " + " | ".join(cell.replace("|", "\\|").replace("\n", " ") for cell in cells) + " |\n"
+
+
+def row_of_claim(claim):
+    return row([claim["id"], f'{claim["paper"]} ({claim["source"]})', claim["measured"],
+                "holds" if claim["holds"] else "**fails**"])
+
+
+def table(of):
+    head = row([of["title"], *of["columns"][1:]]) + "|" + "---|" * len(of["columns"]) + "\n"
+    caption = of["caption"].strip()
+    return "\n" + head + "".join(map(row, of["rows"])) + (f"\n{caption}\n" if caption else "")
 
 
 def section(text, name):
@@ -52,13 +61,15 @@ def main(pliant, root, *words):
     names = [w for w in words if w != "--write"] or named
     wrong = []
     for name in names:
-        claims = run(pliant, name)
+        verdict = run(pliant, name)
+        claims = verdict["claims"]
         begin, end = section(text, name)
         if write:
-            text = text[:begin] + "\n" + HEAD + "".join(map(row, claims)) + "\n" + text[end:]
+            text = text[:begin] + "\n" + HEAD + "".join(map(row_of_claim, claims)) + \
+                "".join(map(table, verdict["tables"])) + "\n" + text[end:]
             continue
         stated = {}
-        for line in text[begin:end].splitlines():
+        for line in text[begin:end].strip().split("\n\n")[0].splitlines():  # the claims come first
             cells = [cell.strip() for cell in line.strip("|").split(" | ")]
             if len(cells) == 4 and cells[0] not in ("claim", "---|---|---|---"):
                 stated[cells[0]] = cells[3] == "holds"

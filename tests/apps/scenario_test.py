@@ -10,7 +10,7 @@ import command
 from command import SHORT, InFolder, main
 
 KEYS = ("title, summary, robot, station, payload, model_error, assumed_friction, controller, schedule, environment, integrator, "
-        "duration_s, seed, position_scatter, log_period, repeat, runs, claims, figures")
+        "duration_s, seed, position_scatter, log_period, repeat, runs, claims, figures, tables")
 CLAIM = """
 claims:
   - !{tag} {{id: a, source: nobody, paper: nothing, run: {run}}}
@@ -123,7 +123,7 @@ class ScenarioFile(InFolder):
                    "arm.yaml:12:5: there is no !HoldTool here; did you mean 'HoldsTool'?\n"
                    "  known: !StandsStill, !HoldsTool, !YieldsAsInertia, !KeepsLimits, !KeepsDamper, !MovesAlong, "
                    "!KeepsDoor, !FollowsAsWell, !ComesAsNear, !KeepsContactLimits, !Bound, !Least, "
-                   "!Order, !Differs, !Equivalent, !FrictionIdentified")
+                   "!Order, !Differs, !Equivalent, !FrictionIdentified, !Swings")
         for name in ("a/b", "..", "a b", "é"):
             self.check(f"{self.scenario}runs:\n  - {{name: {name}, title: t}}\n",
                        "arm.yaml: the name of a run, which names its log, has letters, digits, '_' and '-', "
@@ -153,7 +153,7 @@ class Run(InFolder):
     def test_without_claims_leaves_a_log_and_a_report(self):
         told = self.ends(0, "run", "arm.yaml", "--out", "a/b")
         self.assertEqual(told, f"report: {self.folder}/a/b/report.html\n")
-        self.assertEqual(json.loads((self.folder / "a/b/verdict.json").read_text()), {"claims": []})
+        self.assertEqual(json.loads((self.folder / "a/b/verdict.json").read_text()), {"claims": [], "tables": []})
         self.assertIn("A pushed arm", (self.folder / "a/b/report.html").read_text())
         self.assertEqual([f.name for f in (self.folder / "a/b/logs").iterdir()], ["run.mcap"])
 

@@ -268,11 +268,11 @@ TEST(ComplianceControl, HoldsAnArmByAnyTorqueLoop) {
 TEST(ComplianceControl, RefusesLoopsWithoutTheGainsThatAreNotPublished) {
   const auto error = [](const TorqueLoopChoice& loop) { return ErrorOf([&] { Real run(loop); }); };
   EXPECT_EQ(error(KinovaHighVelocityLoop{.feedforward = 0, .gain = -1}),
-            "control.low_level: gain must be >= 0, got -1");
+            "control.low_level.loop: gain must be >= 0, got -1");
   EXPECT_EQ(error(KinovaHighVelocityLoop{.gain = 1}),
-            "control.low_level: feedforward must be >= 0, got nan");
+            "control.low_level.loop: feedforward must be >= 0, got nan");
   EXPECT_EQ(error(KinovaDampedLoop{.feedforward = 1, .gain = 1}),
-            "control.low_level: damping must be >= 0 N·m·s/rad, got nan");
+            "control.low_level.loop: damping must be >= 0 N·m·s/rad, got nan");
 }
 
 TEST(ComplianceControl, RefusesWhatItHasNoSensorFor) {

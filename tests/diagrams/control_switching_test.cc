@@ -150,7 +150,7 @@ TEST(ControlSwitching, LetsNothingBuildUpInALoopThatDoesNotMoveTheArm) {
   const Diagram diagram = scene.builder.Build();
   const auto& slots = diagram.plan().slots;
   const auto current = std::ranges::find_if(slots, [](const internal::Slot& slot) {
-    return slot.value && slot.value->path() == "control.kinova.motor.current";
+    return slot.value && slot.value->path() == "control.kinova.loop.motor.current";
   });
   ASSERT_NE(current, slots.end());
   const auto& kinova = static_cast<const Output<MotorCurrent>&>(*current->value);

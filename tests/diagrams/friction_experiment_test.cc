@@ -100,8 +100,7 @@ TEST(FrictionExperiment, RefusesWhatDoesNotFit) {
   EXPECT_EQ(ErrorOfSetting({{"schedule", "[{at_s: 1, mode: position}]"}}),
             "schedule must be empty: !FrictionExperiment commands currents all along");
   EXPECT_THAT(ErrorOfSetting({{"robot", "lwr"}}),
-              StartsWith("robot 'lwr' carries its own weight, and !FrictionExperiment commands "
-                         "gravity"));
+              StartsWith("!FrictionExperiment commands currents, and robot 'lwr' takes torques"));
   EXPECT_THAT(ErrorOfSetting({{"controller.joints", "[joint_9]"}}), HasSubstr("joint_9"));
 }
 
@@ -144,8 +143,8 @@ TEST(FrictionOfAFile, IsRefusedWhereNothingCompensatesIt) {
                                         {"station", "!SimulatedArm {ideal: true}"},
                                         {"assumed_friction", "[{joint: joint_2, coulomb: 3.5}]"}});
   EXPECT_EQ(ErrorOf([&] { ControllerOf(scenario, StationOf(scenario)); }),
-            "assumed_friction is of the current loop of !Compliance, and an ideal station has "
-            "none; leave it out, or give a station that is not ideal");
+            "assumed_friction is of the loop that makes currents of torques, and this arm takes "
+            "torques; leave it out, or give a robot such as gen3 and a station that is not ideal");
 }
 
 TEST(FrictionOfAFile, RefusesJointsThatAreNotThereOrTwice) {

@@ -83,8 +83,11 @@ TEST(Scenario, RefusesWhatIsNotThere) {
   EXPECT_EQ(ErrorOfSetting({}), "no error");
   EXPECT_EQ(ErrorOfSetting({{"robot", "gen4"}}),
             "there is no robot 'gen4'; did you mean 'gen3'?\n  known: gen3, gen3_bota, lwr");
-  EXPECT_THAT(ErrorOfSetting({{"robot", "lwr"}}),
-              StartsWith("robot 'lwr' carries its own weight, and !Compliance commands gravity"));
+  EXPECT_THAT(ErrorOfSetting({{"robot", "lwr"},
+                              {"controller.tool", "link_7"},
+                              {"station.ideal", "false"},
+                              {"controller.modes", "{control: position}"}}),
+              StartsWith("modes.control switches between currents, and robot 'lwr' takes torques"));
   EXPECT_THAT(ErrorOfSetting({{"controller.tool", "tool_fram"}}), HasSubstr("tool_fram"));
   EXPECT_THAT(ErrorOfSetting({{"controller.tool", "tool_fram"}}),
               HasSubstr("did you mean \"tool_frame\"?"));
@@ -206,6 +209,44 @@ TEST(Scenario, HasAHandThatHoldsTheLinkWhereItTookHold) {
       push + ", !Hand {link: tool_frame, stiffness: [3000, 3000, 3000], start_s: 2, duration_s: 5}",
       "hand_1.contact");
   EXPECT_LT((gone - alone).norm(), 1e-6 * alone.norm());  // the integrator's tolerance
+}
+
+TEST(Scenario, HasAHandThatLeadsWhatItHolds) {
+  const auto rows = RowsOf(ScenarioIn(
+      kIdeal, {{"environment",
+                "[!Hand {link: tool_frame, stiffness: [200, 100, 50], start_s: 0.2, duration_s: 3, "
+                "path: [{after_s: 0.3, by: [0.1, 0, 0]}, {after_s: 0.6, by: [0.1, 0.2, -0.1]}]}]"},
+               {"duration_s", "1.5"}}));
+  const auto force = [&](std::size_t row) -> Eigen::Vector3d {
+    return rows->Of("hand_1.contact", row).segment(4, 3);
+  };
+  const auto off = [&](std::size_t row, const Eigen::Vector3d& by) -> Eigen::Vector3d {
+    return by - (rows->Of("tool.position", row) - rows->Of("tool.position", 200)).head<3>();
+  };
+  const Eigen::Vector3d k(200, 100, 50);
+  // It has no damper, so its force is that of the spring at every instant, to round-off.
+  EXPECT_LT((force(500) - k.cwiseProduct(off(500, {0.1, 0, 0}))).norm(), 1e-9);
+  EXPECT_LT((force(1500) - k.cwiseProduct(off(1500, {0.1, 0.2, -0.1}))).norm(), 1e-9);
+  EXPECT_GT(force(1500).norm(), 10);
+  EXPECT_EQ(ErrorOfSetting({{"environment",
+                             "[!Hand {link: tool_frame, stiffness: [1, 1, 1], start_s: 0, "
+                             "duration_s: 1, path: [{after_s: 1, by: [0, 0, 0]}, "
+                             "{after_s: 1, by: [0, 0, 0]}]}]"}}),
+            "after_s of a hand's path must be in order of time, got 1");
+}
+
+// What the firmware carries is not commanded twice: at rest the arm stays, to what the integrator
+// allows, while the controller's own torque is that of gravity.
+TEST(Scenario, CommandsAnArmThatCarriesItsWeightTheRest) {
+  const Scenario scenario =
+      ScenarioIn(kIdeal, {{"robot", "lwr"}, {"controller.tool", "end_effector_link"}});
+  const auto rows = RowsOf(scenario);
+  const SimulatedArm::Options arm = StationOf(scenario);
+  RobotDynamics d(arm.model);
+  ComputeDynamics(arm.model, arm.position, JointVelocity::Zero(arm.model.joints()), d);
+  ASSERT_GT(d.gravity.norm(), 30);
+  EXPECT_LT((rows->Of("control.torque", 0) - d.gravity).norm(), 1e-9);
+  EXPECT_LT((rows->Of("arm.position", rows->rows.size() - 1) - arm.position).norm(), 1e-8);
 }
 
 TEST(Scenario, HasNoiseByItsSeed) {
