@@ -215,7 +215,9 @@ class ComplianceControl final : public Composite {
   Input<Wrench> wrench;                  ///< of the wrist sensor; 0 if not connected
   Input<MotorCurrent> measured_current;  ///< read with modes.control only
   InputList<ContactForce> contacts;      ///< of the environment
-  Output<JointTorque> torque;            ///< τ_d
+  /// Of the camera, if `contacts` are seen.
+  std::optional<Input<DepthImage>> image;
+  Output<JointTorque> torque;  ///< τ_d
   Output<MotorCurrent> current;
   Output<JointTorque> torque_error;        ///< τ_d − B q̈_d − τ, behind the gears
   Output<JointBits> saturated;             ///< joints whose current is cut

@@ -20,7 +20,7 @@ namespace {
 
 /// What random numbers are for: other numbers than those of sensors and of models with errors, so
 /// that all may have one seed.
-enum Use : std::uint64_t { kScatter = 400 };
+enum Use : std::uint64_t { kScatter = 400, kCamera = 500 };
 
 /// Assumed where an arm has no friction: a pace for ramps and steps [N·m], [N·m·s/rad].
 constexpr double kLeastFriction = 0.1;
@@ -128,6 +128,16 @@ void Complete(NullSpaceControl::Options& control, const Scenario& scenario,
                               [](const ActuatorParameters& p) { return p.friction.coulomb; });
 }
 
+/// How contacts are seen; null if they are not.
+const SeenContacts* SightOf(const ArmController& controller) {
+  const ContactSettings* settings = nullptr;
+  if (const auto* contact = std::get_if<ContactControl::Options>(&controller))
+    settings = &contact->contact;
+  const auto* compliance = std::get_if<ComplianceControl::Options>(&controller);
+  if (compliance && compliance->contacts) settings = &*compliance->contacts;
+  return settings ? std::get_if<SeenContacts>(&settings->localization) : nullptr;
+}
+
 void Complete(ContactControl::Options&, const Scenario&, const SimulatedArm::Options&) {}
 
 /// The mode of the arm that a controller is made for.
@@ -146,8 +156,9 @@ ControlMode ModeOf(const ContactControl::Options& control) { return TorqueMode(c
 
 /// What of contacts is.
 void Append(std::vector<const internal::Value*>& values, const ContactTasks& tasks) {
-  values.insert(values.end(), {&tasks.residual, &tasks.touched, &tasks.link, &tasks.external_torque,
-                               &tasks.contacts, &tasks.observability});
+  values.insert(values.end(),
+                {&tasks.residual, &tasks.touched, &tasks.link, &tasks.external_torque,
+                 &tasks.contacts, &tasks.observability, &tasks.sight, &tasks.place_error});
   for (const ContactPlace* place : tasks.places)
     values.insert(values.end(), {&place->error, &place->velocity, &place->force,
                                  &place->force_error, &place->wanted, &place->status});
@@ -424,6 +435,13 @@ ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<Recor
     friction = &b.Add<FrictionExperiment>("control", *test);
   else
     contact = &b.Add<ContactControl>("control", std::get<ContactControl::Options>(controller));
+  DepthCamera* camera = nullptr;
+  if (const SeenContacts* seen = SightOf(controller)) {
+    camera = &b.Add<DepthCamera>("camera", CameraOf(*seen, station.model, scenario.seed + kCamera));
+    b.Connect(arm->position, camera->position);
+    for (const Output<ContactForce>* contact_force : environment.contacts)
+      b.Connect(*contact_force, camera->contacts);
+  }
   auto& tool = b.Add<ToolMotion>("tool", station.model.joints());
   const bool switches = compliance && compliance->modes && compliance->modes->control;
   Require(!switches || scenario.schedule.empty(),
@@ -448,6 +466,8 @@ ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<Recor
     if constexpr (requires { to.contacts; })
       for (const Output<ContactForce>* contact : environment.contacts)
         b.Connect(*contact, to.contacts);
+    if constexpr (requires { to.image; })
+      if (camera) b.Connect(camera->image, *to.image);
     if (!station.firmware.compensated) {
       b.Connect(to.torque, arm->torque_command);
       return;
