@@ -46,7 +46,7 @@ ContactControl::ContactControl(const Options& o)
     Connect(*image, *tasks.image);
   }
   Connect(dynamics.dynamics, law.dynamics);
-  Connect(tasks.contacts, law.contacts);
+  Connect(tasks.acting, law.contacts);
   for (const Output<Objective>& objective : tasks.objectives) Connect(objective, law.objectives);
   contact_tasks = &tasks;
 
