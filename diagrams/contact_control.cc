@@ -17,6 +17,7 @@ ContactControl::ContactControl(const Options& o)
       acceleration{this, "acceleration", o.model.joints()},
       report{this, "report"} {
   const Joints& joints = o.model.joints();
+  o.model.link_index(o.tool);  // throws Error if there is none
 
   auto& dynamics =
       Add<ModelDynamics>("dynamics", {.model = o.model, .rotor_inertia = o.rotor_inertia});
