@@ -357,6 +357,10 @@ ComplianceControl::ComplianceControl(const Options& o)
     Connect(dynamics.dynamics, tasks.dynamics);
     Connect(estimate.residual, tasks.raw_residual);
     Connect(contacts, tasks.forces);
+    if (tasks.image) {
+      image.emplace(this, "image");
+      Connect(*image, *tasks.image);
+    }
     for (const Output<Objective>& objective : tasks.objectives) Connect(objective, qp.objectives);
     known = &tasks.residual;
     contact_tasks = &tasks;

@@ -178,7 +178,7 @@ class ComplianceControl final : public Composite {
     std::vector<WorkspacePlanes::Options> workspace = {};
     std::optional<ForceLimit::Options> force_limit = {};  ///< of the wrist sensor's contact
     std::optional<ContactSettings> contacts = {};         ///< none: what touches the arm is no task
-    double contact_weight = 1e4;  ///< of each of the contacts, beside the pose's
+    double contact_weight = 1e6;  ///< of each of the contacts, beside the pose's
     ArmCommand command = ArmCommand::Torque;
     TorqueLoopChoice torque_loop = {};
 
@@ -215,7 +215,9 @@ class ComplianceControl final : public Composite {
   Input<Wrench> wrench;                  ///< of the wrist sensor; 0 if not connected
   Input<MotorCurrent> measured_current;  ///< read with modes.control only
   InputList<ContactForce> contacts;      ///< of the environment
-  Output<JointTorque> torque;            ///< τ_d
+  /// Of the camera, if `contacts` are seen.
+  std::optional<Input<DepthImage>> image;
+  Output<JointTorque> torque;  ///< τ_d
   Output<MotorCurrent> current;
   Output<JointTorque> torque_error;        ///< τ_d − B q̈_d − τ, behind the gears
   Output<JointBits> saturated;             ///< joints whose current is cut

@@ -41,6 +41,10 @@ ContactControl::ContactControl(const Options& o)
   Connect(dynamics.dynamics, tasks.dynamics);
   Connect(observer.residual, tasks.raw_residual);
   Connect(contacts, tasks.forces);
+  if (tasks.image) {
+    image.emplace(this, "image");
+    Connect(*image, *tasks.image);
+  }
   Connect(dynamics.dynamics, law.dynamics);
   Connect(tasks.contacts, law.contacts);
   for (const Output<Objective>& objective : tasks.objectives) Connect(objective, law.objectives);

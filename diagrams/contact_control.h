@@ -55,7 +55,9 @@ class ContactControl final : public Composite {
   Input<JointVelocity> measured_velocity;
   Input<JointTorque> measured_torque;
   InputList<ContactForce> contacts;  ///< of the environment
-  Output<JointTorque> torque;        ///< τ_d
+  /// Of the camera, if contacts are seen.
+  std::optional<Input<DepthImage>> image;
+  Output<JointTorque> torque;  ///< τ_d
   Output<MotorCurrent> current;
   Output<JointTorque> torque_error;        ///< τ_d − B q̈_d − τ, behind the gears
   Output<JointBits> saturated;             ///< joints whose current is cut

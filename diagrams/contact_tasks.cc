@@ -1,8 +1,10 @@
 #include "pliant/diagrams/contact_tasks.h"
 
 #include "pliant/estimators/contact_detection.h"
+#include "pliant/estimators/place_error.h"
 #include "pliant/estimators/residual_tare.h"
 #include "pliant/plants/true_contacts.h"
+#include "pliant/systems/constant.h"
 
 namespace pliant {
 
@@ -29,6 +31,8 @@ ContactTasks::ContactTasks(const Options& o)
       external_torque{this, "external_torque", o.model.joints()},
       contacts{this, "contacts"},
       observability{this, "observability"},
+      sight{this, "sight"},
+      place_error{this, "place_error"},
       objectives{{{this, "objective_1", o.model.joints()},
                   {this, "objective_2", o.model.joints()},
                   {this, "objective_3", o.model.joints()}}} {
@@ -53,8 +57,25 @@ ContactTasks::ContactTasks(const Options& o)
   Connect(detection.touched, touched);
   Connect(detection.link, link);
   Connect(forces, truth.forces);
-  std::visit([&](const KnownContacts&) { Connect(truth.contacts, estimate.places); },
-             s.localization);
+  if (const auto* seen = std::get_if<SeenContacts>(&s.localization)) {
+    image.emplace(this, "image");
+    auto& localization = Add<ContactLocalization>("localization", LocalizationOf(*seen, o.model));
+    auto& error = Add<PlaceError>("found", {.model = o.model});
+    Connect(*image, localization.image);
+    Connect(dynamics, localization.dynamics);
+    Connect(detection.touched, localization.touched);
+    Connect(detection.link, localization.isolated);
+    Connect(localization.contacts, estimate.places);
+    Connect(localization.sight, sight);
+    Connect(localization.contacts, error.places);
+    Connect(truth.contacts, error.true_contacts);
+    Connect(dynamics, error.dynamics);
+    Connect(error.distance, place_error);
+  } else {
+    Connect(truth.contacts, estimate.places);
+    Connect(Add<Constant<ContactSight>>("no_sight", {.value = ContactSight()}).y, sight);
+    Connect(Add<Constant<double>>("no_error", {.value = 0.0}).y, place_error);
+  }
   Connect(dynamics, estimate.dynamics);
   Connect(tare.tared, estimate.residual);
   Connect(detection.touched, estimate.touched);

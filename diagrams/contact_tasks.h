@@ -1,10 +1,12 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <variant>
 
 #include "pliant/diagrams/contact_place.h"
+#include "pliant/diagrams/seen_contacts.h"
 #include "pliant/estimators/contact_force_estimate.h"
 
 namespace pliant {
@@ -18,7 +20,7 @@ struct KnownContacts {
 };
 
 /// What says where the arm is touched.
-using ContactPlaces = std::variant<KnownContacts>;
+using ContactPlaces = std::variant<KnownContacts, SeenContacts>;
 
 /// How contacts are found, and what is to happen at them.
 struct ContactSettings {
@@ -48,7 +50,7 @@ struct ContactSettings {
 /// solves for the joint accelerations: ContactLaw, or a ComplianceQp with all its limits.
 ///
 ///   residual ─▶ tare ─▶ detection ─▶ estimate ─▶ place 1, 2, 3 ─▶ objectives
-///   forces ─▶ true contacts ─▶ (localization) ─▶ estimate
+///   forces ─▶ true contacts, or image ─▶ localization ─▶ estimate
 ///
 /// The residual is that of an observer driven by joint torques. The arm has to rest untouched while
 /// the residual's offset is taken.
@@ -66,12 +68,16 @@ class ContactTasks final : public Composite {
   Input<RobotDynamics> dynamics;
   Input<JointTorque> raw_residual;  ///< r, with its offset
   InputList<ContactForce> forces;   ///< of the environment
-  Output<JointTorque> residual;     ///< less its offset
+  /// Of the camera, if contacts are seen.
+  std::optional<Input<DepthImage>> image;
+  Output<JointTorque> residual;  ///< less its offset
   Output<bool> touched;
   Output<int> link;                     ///< the innermost the residual allows; −1: not touched
   Output<JointTorque> external_torque;  ///< Σ J_cᵀ F̂
   Output<Contacts> contacts;            ///< with F̂
   Output<ContactObservability> observability;
+  Output<ContactSight> sight;  ///< nothing is seen of known contacts
+  Output<double> place_error;  ///< as PlaceError has it; 0 of known contacts [m]
 
   std::array<Output<Objective>, kMaxContacts> objectives;
 

@@ -20,7 +20,7 @@ namespace {
 
 /// What random numbers are for: other numbers than those of sensors and of models with errors, so
 /// that all may have one seed.
-enum Use : std::uint64_t { kScatter = 400 };
+enum Use : std::uint64_t { kScatter = 400, kCamera = 500 };
 
 /// Assumed where an arm has no friction: a pace for ramps and steps [N·m], [N·m·s/rad].
 constexpr double kLeastFriction = 0.1;
@@ -128,6 +128,16 @@ void Complete(NullSpaceControl::Options& control, const Scenario& scenario,
                               [](const ActuatorParameters& p) { return p.friction.coulomb; });
 }
 
+/// How contacts are seen; null if they are not.
+const SeenContacts* SightOf(const ArmController& controller) {
+  const ContactSettings* settings = nullptr;
+  if (const auto* contact = std::get_if<ContactControl::Options>(&controller))
+    settings = &contact->contact;
+  const auto* compliance = std::get_if<ComplianceControl::Options>(&controller);
+  if (compliance && compliance->contacts) settings = &*compliance->contacts;
+  return settings ? std::get_if<SeenContacts>(&settings->localization) : nullptr;
+}
+
 void Complete(ContactControl::Options&, const Scenario&, const SimulatedArm::Options&) {}
 
 /// The mode of the arm that a controller is made for.
@@ -146,8 +156,9 @@ ControlMode ModeOf(const ContactControl::Options& control) { return TorqueMode(c
 
 /// What of contacts is.
 void Append(std::vector<const internal::Value*>& values, const ContactTasks& tasks) {
-  values.insert(values.end(), {&tasks.residual, &tasks.touched, &tasks.link, &tasks.external_torque,
-                               &tasks.contacts, &tasks.observability});
+  values.insert(values.end(),
+                {&tasks.residual, &tasks.touched, &tasks.link, &tasks.external_torque,
+                 &tasks.contacts, &tasks.observability, &tasks.sight, &tasks.place_error});
   for (const ContactPlace* place : tasks.places)
     values.insert(values.end(), {&place->error, &place->velocity, &place->force,
                                  &place->force_error, &place->wanted, &place->status});
@@ -415,15 +426,46 @@ ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<Recor
   arm = &b.Add<SimulatedArm>("arm", station);
   Environment environment(b, *arm, *true_torque, station.model, period);
   for (const EnvironmentPart& part : scenario.environment) std::visit(environment, part);
-  const auto* compliant = std::get_if<NullSpaceControl::Options>(&controller);
-  if (compliance)
-    control = &b.Add<ComplianceControl>("control", *compliance);
-  else if (compliant)
-    null_space = &b.Add<NullSpaceControl>("control", *compliant);
-  else if (const auto* test = std::get_if<FrictionExperiment::Options>(&controller))
-    friction = &b.Add<FrictionExperiment>("control", *test);
-  else
-    contact = &b.Add<ContactControl>("control", std::get<ContactControl::Options>(controller));
+  DepthCamera* camera = nullptr;
+  if (const SeenContacts* seen = SightOf(controller)) {
+    camera = &b.Add<DepthCamera>("camera", CameraOf(*seen, station.model, scenario.seed + kCamera));
+    b.Connect(arm->position, camera->position);
+    for (const Output<ContactForce>* touch : environment.contacts)
+      b.Connect(*touch, camera->contacts);
+  }
+  std::vector<const internal::Value*> recorded;
+  const auto add = [&]<class Controller>(Controller*& added) {
+    const auto* options = std::get_if<typename Controller::Options>(&controller);
+    if (!options) return;
+    Controller& to = b.Add<Controller>("control", *options);
+    added = &to;
+    recorded = RecordedOf(to, *options);
+    b.Connect(arm->measured_position, to.measured_position);
+    b.Connect(arm->measured_velocity, to.measured_velocity);
+    b.Connect(arm->measured_torque, to.measured_torque);
+    b.Connect(to.current, arm->current_command);
+    if constexpr (requires { to.true_torque; }) b.Connect(true_torque->torque, to.true_torque);
+    if constexpr (requires { to.wrench; }) b.Connect(arm->wrench, to.wrench);
+    if constexpr (requires { to.contacts; })
+      for (const Output<ContactForce>* touch : environment.contacts) b.Connect(*touch, to.contacts);
+    if constexpr (requires { to.image; })
+      if (camera) b.Connect(camera->image, *to.image);
+    if (!station.firmware.compensated) {
+      b.Connect(to.torque, arm->torque_command);
+      return;
+    }
+    auto& assumed = b.Add<ModelDynamics>("assumed_motion", {.model = ModelOf(controller)});
+    auto& carried = b.Add<WithoutWeight>("carried", station.model.joints());
+    b.Connect(arm->measured_position, assumed.position);
+    b.Connect(arm->measured_velocity, assumed.velocity);
+    b.Connect(to.torque, carried.torque);
+    b.Connect(assumed.dynamics, carried.dynamics);
+    b.Connect(carried.command, arm->torque_command);
+  };
+  add(control);
+  add(friction);
+  add(null_space);
+  add(contact);
   auto& tool = b.Add<ToolMotion>("tool", station.model.joints());
   const bool switches = compliance && compliance->modes && compliance->modes->control;
   Require(!switches || scenario.schedule.empty(),
@@ -438,39 +480,8 @@ ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<Recor
   b.Connect(arm->measured_position, link_motion.position);
   b.Connect(arm->measured_velocity, link_motion.velocity);
   b.Connect(link_motion.dynamics, true_torque->dynamics);
-  const auto connect = [&](auto& to) {
-    b.Connect(arm->measured_position, to.measured_position);
-    b.Connect(arm->measured_velocity, to.measured_velocity);
-    b.Connect(arm->measured_torque, to.measured_torque);
-    b.Connect(to.current, arm->current_command);
-    if constexpr (requires { to.true_torque; }) b.Connect(true_torque->torque, to.true_torque);
-    if constexpr (requires { to.wrench; }) b.Connect(arm->wrench, to.wrench);
-    if constexpr (requires { to.contacts; })
-      for (const Output<ContactForce>* contact : environment.contacts)
-        b.Connect(*contact, to.contacts);
-    if (!station.firmware.compensated) {
-      b.Connect(to.torque, arm->torque_command);
-      return;
-    }
-    auto& assumed = b.Add<ModelDynamics>("assumed_motion", {.model = ModelOf(controller)});
-    auto& carried = b.Add<WithoutWeight>("carried", station.model.joints());
-    b.Connect(arm->measured_position, assumed.position);
-    b.Connect(arm->measured_velocity, assumed.velocity);
-    b.Connect(to.torque, carried.torque);
-    b.Connect(assumed.dynamics, carried.dynamics);
-    b.Connect(carried.command, arm->torque_command);
-  };
-  if (control) {
-    connect(*control);
-    if (compliance->command == ArmCommand::Position || switches)
-      b.Connect(control->position, arm->position_command);  // else it holds its start
-  } else if (null_space) {
-    connect(*null_space);
-  } else if (friction) {
-    connect(*friction);
-  } else {
-    connect(*contact);
-  }
+  if (control && (compliance->command == ArmCommand::Position || switches))
+    b.Connect(control->position, arm->position_command);  // else it holds its start
   b.Connect(arm->motion, tool.motion);
   b.Connect(switches ? control->arm_mode : schedule->mode, arm->mode);
   if (switches) b.Connect(arm->measured_current, control->measured_current);
@@ -484,17 +495,7 @@ ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<Recor
          arm->measured_current, arm->wrench, arm->status, arm->position, arm->velocity,
          arm->joint_torque, arm->energy, tool.position, tool.pose, tool.twist, true_torque->torque);
   if (schedule) record(schedule->mode);
-  const auto record_all = [&](const auto& of) {
-    for (const internal::Value* value : of) b.Connect(*value, recorder.in);
-  };
-  if (control)
-    record_all(RecordedOf(*control, *compliance));
-  else if (null_space)
-    record_all(RecordedOf(*null_space, *compliant));
-  else if (friction)
-    record_all(RecordedOf(*friction, std::get<FrictionExperiment::Options>(controller)));
-  else
-    record_all(RecordedOf(*contact, std::get<ContactControl::Options>(controller)));
+  for (const internal::Value* value : recorded) b.Connect(*value, recorder.in);
 }
 
 }  // namespace pliant

@@ -1,6 +1,7 @@
 pliant_test(estimators/complementary_fusion_test.cc LIBRARIES pliant::estimators)
 pliant_test(estimators/contact_detection_test.cc LIBRARIES pliant::estimators)
 pliant_test(estimators/contact_force_estimate_test.cc LIBRARIES pliant::estimators)
+pliant_test(estimators/contact_localization_test.cc LIBRARIES pliant::estimators)
 pliant_test(estimators/drift_test.cc LIBRARIES pliant::estimators)
 pliant_test(estimators/friction_fit_test.cc LIBRARIES pliant::estimators)
 pliant_test(estimators/friction_identifier_test.cc LIBRARIES pliant::estimators)

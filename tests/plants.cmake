@@ -47,3 +47,8 @@ find_package(CGAL REQUIRED)
 pliant_test(plants/collision_exact_test.cc LIBRARIES pliant::plants CGAL::CGAL)
 find_package(fcl REQUIRED)
 pliant_test(plants/collision_fcl_test.cc LIBRARIES pliant::plants fcl)
+
+pliant_test(plants/depth_camera_test.cc LIBRARIES pliant::plants)
+pliant_test(plants/pinhole_test.cc LIBRARIES pliant::plants)
+pliant_test(plants/solid_test.cc LIBRARIES pliant::plants)
+pliant_test(plants/solid_fcl_test.cc LIBRARIES pliant::plants fcl)
