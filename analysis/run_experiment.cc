@@ -197,6 +197,12 @@ class Execution {
   std::optional<std::string> failure_;
 };
 
+Experiment ExperimentOf(const RunHeading& run) {
+  Experiment experiment;
+  ParameterFile::ReadText(run.experiment, run.file.string() + ": experiment").Fill(experiment);
+  return experiment;
+}
+
 /// A claim about one repetition, over all of them.
 class RepeatedCheck {
  public:

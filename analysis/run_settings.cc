@@ -227,10 +227,4 @@ std::vector<Setting> RunSettings(const Runs& runs) {
   return settings;
 }
 
-Experiment ExperimentOf(const RunHeading& run) {
-  Experiment experiment;
-  ParameterFile::ReadText(run.experiment, run.file.string() + ": experiment").Fill(experiment);
-  return experiment;
-}
-
 }  // namespace pliant
