@@ -22,7 +22,7 @@ struct ContactObservability {
   double smallest = 0;                      ///< σ of the last row, 0 without a contact [m]
   Vector singular_values = Vector::Zero();  ///< σ_j, falling; of the rows there are [m]
   Matrix directions = Matrix::Zero();       ///< column j: the forces whose torque is σ_j for each
-                                       ///< newton; from column `rank` on they are not observed
+                                            ///< newton; from column `rank` on they are not observed
 
   template <class Visitor>
   void Fields(Visitor&& f) {

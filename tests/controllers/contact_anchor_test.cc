@@ -115,8 +115,9 @@ TEST(ContactAnchor, RefusesAPlaceThatThereIsNot) {
 }
 
 TEST(ContactAnchor, HoldsTheLaws) {
-  ExpectBlockLaws(BlockTester<ContactAnchor>(
-      ContactAnchor::Options{.model = Lwr(), .place = 1, .period = 1ms}));
+  BlockTester<ContactAnchor> t(ContactAnchor::Options{.model = Lwr(), .place = 1, .period = 1ms});
+  t.Set(t->dynamics, RobotDynamics(Lwr()));
+  ExpectBlockLaws(std::move(t));
 }
 
 }  // namespace

@@ -254,8 +254,10 @@ TEST(ContactForceControl, RefusesSettingsThatAreNone) {
 }
 
 TEST(ContactForceControl, HoldsTheLaws) {
-  ExpectBlockLaws(BlockTester<ContactForceControl>(
-      ContactForceControl::Options{.model = Lwr(), .period = 1ms, .settings = Gains(3)}));
+  BlockTester<ContactForceControl> t(
+      ContactForceControl::Options{.model = Lwr(), .period = 1ms, .settings = Gains(3)});
+  t.Set(t->dynamics, RobotDynamics(Lwr()));
+  ExpectBlockLaws(std::move(t));
 }
 
 }  // namespace

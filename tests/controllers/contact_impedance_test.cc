@@ -155,8 +155,10 @@ TEST(ContactImpedance, RefusesGainsThatAreNone) {
 }
 
 TEST(ContactImpedance, HoldsTheLaws) {
-  ExpectBlockLaws(BlockTester<ContactImpedance>(ContactImpedance::Options{
-      .model = Lwr(), .gains = {.damping = Number(80), .stiffness = Number(500)}}));
+  BlockTester<ContactImpedance> t(ContactImpedance::Options{
+      .model = Lwr(), .gains = {.damping = Number(80), .stiffness = Number(500)}});
+  t.Set(t->dynamics, RobotDynamics(Lwr()));
+  ExpectBlockLaws(std::move(t));
 }
 
 }  // namespace

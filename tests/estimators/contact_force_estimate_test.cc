@@ -219,8 +219,9 @@ TEST(ContactForceEstimate, RefusesALeverArmThatIsNone) {
 }
 
 TEST(ContactForceEstimate, HoldsTheLaws) {
-  ExpectBlockLaws(BlockTester<ContactForceEstimate>(
-      ContactForceEstimate::Options{.model = Lwr(), .period = 1ms}));
+  BlockTester<ContactForceEstimate> t(ContactForceEstimate::Options{.model = Lwr(), .period = 1ms});
+  t.Set(t->dynamics, RobotDynamics(Lwr()));
+  ExpectBlockLaws(std::move(t));
 }
 
 }  // namespace
