@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "pliant/plants/contacts.h"
 #include "pliant/plants/pushing_hand.h"
 #include "pliant/systems/elements.h"
 
