@@ -176,6 +176,7 @@ const std::string kForce =
 TEST(ContactControl, PressesAsHardAsItIsTold) {
   Course run(
       With(kIdeal, {{"controller.behavior", kForce},
+                    {"controller.smallest_lever", "0.02"},  // the arm is stretched
                     {"environment",
                      "[!Hand {link: link_6, stiffness: [60, 60, 60], damping: 10, start_s: 2,"
                      " duration_s: 4, path: [{after_s: 1, by: [0, 0.35, 0]}]}]"}}));
