@@ -26,7 +26,7 @@ struct Scene {
     const ContactForce push{.link = model.link_index("link_5"),
                             .point = {0.0623, 0, 0.1},
                             .force = {0, -20, 0},
-                            .moment = {}};
+                            .moment = Eigen::Vector3d::Zero()};
     camera->Join((*camera)->contacts, push);
     const JointPosition q{0, 0.698, 0, -1.571, 0, 0.873, 0};
     camera->Set((*camera)->position, q);

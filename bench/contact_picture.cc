@@ -45,7 +45,7 @@ void Write(const char* file) {
   const ContactForce push{.link = link,
                           .point = X_WL.rotation.transpose() * Eigen::Vector3d(0, 0.0783, 0),
                           .force = {0, -20, 0},
-                          .moment = {}};
+                          .moment = Eigen::Vector3d::Zero()};
 
   DepthCamera::Options c{.model = model};
   c.view.pose = LookingAt({1.7, 0, 1.1}, {-0.2, 0, 0.5});

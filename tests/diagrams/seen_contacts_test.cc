@@ -42,8 +42,8 @@ Scenario ScenarioIn(const std::string& text) {
   return scenario;
 }
 
-struct Run {
-  explicit Run(const std::string& text)
+struct Scene {
+  explicit Scene(const std::string& text)
       : scenario{ScenarioIn(text)},
         scene{scenario},
         diagram{scene.builder.Build()},
@@ -58,7 +58,7 @@ struct Run {
 };
 
 TEST(SeenContacts, AreFoundAsLongAsTheyLastAndTheirForceWithThem) {
-  Run run(ScenarioText("link_6, force: [0, -20 N, 0]"));
+  Scene run(ScenarioText("link_6, force: [0, -20 N, 0]"));
   run.sim.AdvanceTo(1.9);
   EXPECT_EQ(run.sim.Get(run.tasks.contacts).count(), 0);
   for (double t = 3; t < 3.7; t += 0.1) {
@@ -77,11 +77,11 @@ TEST(SeenContacts, AreFoundAsLongAsTheyLastAndTheirForceWithThem) {
 TEST(SeenContacts, OfTwoCamerasOneSeesWhatTheOtherDoesNot) {
   // On link 3, pushed away from one camera and towards the other.
   const std::string push = "link_3, point: [0, 0, 0.1], force: [0, -25 N, 0]";
-  Run beside(ScenarioText(push, ", position: [0, 2, 0.6], target: [0, 0, 0.6]"));
+  Scene beside(ScenarioText(push, ", position: [0, 2, 0.6], target: [0, 0, 0.6]"));
   beside.sim.AdvanceTo(3.5);
   EXPECT_EQ(beside.sim.Get(beside.tasks.contacts).count(), 1);
   EXPECT_LT(beside.sim.Get(beside.tasks.place_error), kHand);
-  Run hidden(ScenarioText(push, ", position: [0, -2, 0.6], target: [0, 2, 0.6]"));
+  Scene hidden(ScenarioText(push, ", position: [0, -2, 0.6], target: [0, 2, 0.6]"));
   hidden.sim.AdvanceTo(3.5);
   EXPECT_TRUE(hidden.sim.Get(hidden.tasks.touched));
   EXPECT_EQ(hidden.sim.Get(hidden.tasks.contacts).count(), 0);
@@ -91,7 +91,7 @@ TEST(SeenContacts, OfTwoCamerasOneSeesWhatTheOtherDoesNot) {
 TEST(SeenContacts, RunWithoutHeapAndCanBeSavedAndRestored) {
   const TemporaryDirectory folder;
   const auto file = folder.path() / "snapshot";
-  Run run(ScenarioText("link_6, force: [0, -20 N, 0]"));
+  Scene run(ScenarioText("link_6, force: [0, -20 N, 0]"));
   run.sim.AdvanceTo(3);
   run.sim.Snapshot().Save(file);  // the picture itself has no place in it
   const long before = Allocations();
@@ -108,8 +108,8 @@ TEST(SeenContacts, RunWithoutHeapAndCanBeSavedAndRestored) {
 
 TEST(SeenContacts, AreRefusedWithACameraThatLooksAtItself) {
   EXPECT_THAT(ErrorOf([] {
-                Run run(ScenarioText("link_6, force: [0, -20 N, 0]",
-                                     ", position: [1, 0, 1], target: [1, 0, 1]"));
+                Scene run(ScenarioText("link_6, force: [0, -20 N, 0]",
+                                       ", position: [1, 0, 1], target: [1, 0, 1]"));
               }),
               testing::HasSubstr("a camera looks at a point away from it, got 1 0 1"));
 }
