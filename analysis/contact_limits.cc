@@ -79,8 +79,9 @@ ContactLimits LimitsOf(BodyArea area) {
           .transient = head ? 0.0 : 2.0};
 }
 
-Contacts ContactsOf(const Eigen::VectorXd& times, const Eigen::VectorXd& force, double threshold) {
-  Contacts all;
+ContactSummary ContactsOf(const Eigen::VectorXd& times, const Eigen::VectorXd& force,
+                          double threshold) {
+  ContactSummary all;
   double began = 0, last = -kUnbounded;
   for (Eigen::Index k = 0; k < times.size(); ++k) {
     const double f = std::isnan(force(k)) ? kUnbounded : force(k);
@@ -120,7 +121,7 @@ void KeepsContactLimits::RequireSound(const Recording& recorded) const {
 }
 
 Claim KeepsContactLimits::Judge(const RecordedSignal& recorded) const {
-  const Contacts of = ContactsOf(
+  const ContactSummary of = ContactsOf(
       recorded.times, Norms(recorded.numbers(ForceRows(recorded), Eigen::all)), threshold);
   const ContactLimits limits = LimitsOf(body);
   std::string measured =

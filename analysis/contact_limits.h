@@ -61,7 +61,7 @@ ContactLimits LimitsOf(BodyArea area);
 /// with pauses of 0.1 s at most: a part that is tapped has no time to recover between.
 /// Its first half second is transient, what follows quasi-static: the part of the body is clamped,
 /// or moves along.
-struct Contacts {
+struct ContactSummary {
   int count = 0;
   double transient = 0;     ///< largest ‖F‖ of the first halves of a second [N]
   double quasi_static = 0;  ///< largest ‖F‖ afterwards [N]
@@ -69,7 +69,8 @@ struct Contacts {
 };
 
 /// Of ‖F‖ [N], one for each of `times`. What is not a number is infinite.
-Contacts ContactsOf(const Eigen::VectorXd& times, const Eigen::VectorXd& force, double threshold);
+ContactSummary ContactsOf(const Eigen::VectorXd& times, const Eigen::VectorXd& force,
+                          double threshold);
 
 /// The rows with the force of a recorded contact or wrench: of the elements force[x], … or fx, …;
 /// throws Error if it has neither.

@@ -9,7 +9,6 @@
 #include <string_view>
 #include <type_traits>
 
-#include "pliant/analysis/parameter_schema.h"
 #include "pliant/plants/parameter_text.h"
 #include "pliant/plants/shared_file.h"
 #include "pliant/systems/nearest_name.h"
@@ -270,14 +269,6 @@ NamedExperiment FindExperiment(std::string_view name) {
   for (const NamedExperiment& e : all) names.push_back(e.name);
   throw Error("there is no experiment '" + std::string(name) + "'" + DidYouMean(name, names) +
               "\n`pliant experiment list` names them");
-}
-
-std::string ExperimentSchema() {
-  internal::Json schema = internal::SchemaOfStruct<Experiment>();
-  internal::Json all{{"$schema", "http://json-schema.org/draft-07/schema#"},
-                     {"title", "An experiment of pliant"}};
-  all.update(schema);
-  return all.dump(2) + "\n";
 }
 
 }  // namespace pliant

@@ -23,6 +23,7 @@
 #include "pliant/analysis/order_claim.h"
 #include "pliant/analysis/path_figure.h"
 #include "pliant/analysis/phase_figure.h"
+#include "pliant/analysis/swing_claim.h"
 #include "pliant/diagrams/scenario.h"
 #include "pliant/plants/parameter_file.h"
 
@@ -48,7 +49,7 @@ struct RunOf {
 using ClaimCheck =
     std::variant<StandsStill, HoldsTool, YieldsAsInertia, KeepsLimits, DamperClaim, MovesAlong,
                  KeepsDoor, FollowsAsWell, ComesAsNear, KeepsContactLimits, BoundClaim, LeastClaim,
-                 OrderClaim, DifferenceClaim, EquivalenceClaim, FrictionIdentified>;
+                 OrderClaim, DifferenceClaim, EquivalenceClaim, FrictionIdentified, SwingClaim>;
 /// `Draw` makes the figure of the first repetition's runs, or of the numbers `Wanted` in each.
 using FigureOf = std::variant<VelocityFigure, PredictionFigure, LimitFigure, SignalFigure,
                               NormFigure, PhaseFigure, PathFigure, BarFigure, FrictionFigure>;

@@ -19,7 +19,7 @@ std::string Digits(double value, int digits) {
 
 /// How a row is shown: a number of its own unit times `factor` has `unit`.
 ScaledUnit ShownIn(const NumberTable::Row& row, const RepeatedNumber& number) {
-  if (!row.unit.empty()) return {row.factor, row.unit};
+  if (row.unit) return {row.factor, *row.unit};
   double largest = 0;
   for (const RepeatedNumber::OfRun& run : number.runs())
     if (run.finite()) largest = std::max(largest, std::abs(Summarize(run.values).mean));
@@ -44,7 +44,7 @@ void NumberTable::RequireFit(const Scenario& scenario) const {
     Require(row.paper.empty() || row.paper.size() == runs.size(),
             where + "paper has what the paper says of each of the " + Text(runs.size()) + " runs",
             row.paper.size());
-    Require(row.factor == 1 || !row.unit.empty(),
+    Require(row.factor == 1 || row.unit,
             where + "unit is missing: what a number has that is multiplied by " + Text(row.factor));
     row.number.RequireFit(scenario);
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,9 +14,9 @@ struct NumberTable {
   struct Row {
     std::string title;
     SignalNumber number = {};
-    double factor = 1;      ///< that it is shown in, such as 100 for per cent
-    std::string unit = {};  ///< that it has then; none: its own, scaled
-    int digits = 3;         ///< that are significant
+    double factor = 1;                     ///< that it is shown in, such as 100 for per cent
+    std::optional<std::string> unit = {};  ///< that it has then; none: its own, scaled
+    int digits = 3;                        ///< that are significant
     std::vector<std::string> paper =
         {};  ///< what the paper has for each of the runs; none: nothing
 

@@ -211,6 +211,7 @@ ComplianceControl::ComplianceControl(const Options& o)
       wrench{this, "wrench", {}, Wrench()},
       measured_current{this, "measured_current", o.model.joints(),
                        MotorCurrent::Zero(o.model.joints())},
+      contacts{this, "contacts"},
       torque{this, "torque", o.model.joints()},
       current{this, "current", o.model.joints()},
       torque_error{this, "torque_error", o.model.joints()},
@@ -341,9 +342,33 @@ ComplianceControl::ComplianceControl(const Options& o)
   Connect(dynamics.dynamics, posture.dynamics);
   Connect(dynamics.dynamics, damper.dynamics);
   Connect(dynamics.dynamics, qp.dynamics);
+  const Output<JointTorque>* known = &estimate.external_torque;
+  if (o.contacts) {
+    Require(o.estimate == TorqueEstimate::Observer || o.estimate == TorqueEstimate::SuperTwisting,
+            "contacts are found by the residual of an observer, so estimate must be observer or "
+            "super_twisting");
+    Require(!open_loop && !switches,
+            "contacts are of an arm that is commanded torques; expected the command torque and no "
+            "modes.control");
+    auto& tasks = Add<ContactTasks>("tasks", {.model = o.model,
+                                              .period = o.period,
+                                              .settings = *o.contacts,
+                                              .weight = o.contact_weight});
+    Connect(dynamics.dynamics, tasks.dynamics);
+    Connect(estimate.residual, tasks.raw_residual);
+    Connect(contacts, tasks.forces);
+    if (tasks.image) {
+      image.emplace(this, "image");
+      Connect(*image, *tasks.image);
+    }
+    for (const Output<Objective>& objective : tasks.objectives) Connect(objective, qp.objectives);
+    known = &tasks.residual;
+    contact_tasks = &tasks;
+  }
+  Connect(*known, external_torque);
   if (o.estimate != TorqueEstimate::Zero) {
-    Connect(estimate.external_torque, external.external_torque);
-    Connect(estimate.external_torque, qp.external_torque);
+    Connect(*known, external.external_torque);
+    Connect(*known, qp.external_torque);
     Connect(external.acceleration, pose.external_acceleration);
     Connect(external.acceleration, posture.external_acceleration);
   }
@@ -466,7 +491,6 @@ ComplianceControl::ComplianceControl(const Options& o)
 
   Connect(qp.torque, torque);
   Connect(qp.acceleration, acceleration);
-  Connect(estimate.external_torque, external_torque);
   Connect(estimate.residual, residual);
   Connect(estimate.contact, contact);
   auto& errors = Add<PoseErrors>("pose_errors");

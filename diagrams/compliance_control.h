@@ -19,6 +19,7 @@
 #include "pliant/controllers/pose_reference.h"
 #include "pliant/controllers/virtual_door.h"
 #include "pliant/controllers/workspace_planes.h"
+#include "pliant/diagrams/contact_tasks.h"
 #include "pliant/diagrams/external_torque_estimate.h"
 #include "pliant/diagrams/torque_loop_choice.h"
 #include "pliant/systems/composite.h"
@@ -139,7 +140,14 @@ inline const std::vector<std::string>& Words(ArmCommand) {
 /// one to the other within `modes.change_s`, or of an ideal arm torques as if 1 A made 1 N·m; the
 /// reference follows the arm while torques move it, and a loop that does not move the arm sees no
 /// error.
-/// Source: Celerier et al. 2025 (EC).
+/// With `contacts` wherever the arm is touched is a task beside the pose, under all limits:
+///
+///   residual ─▶ contact tasks ─▶ objectives ─▶ qp
+///                     └──▶ residual less its offset ─▶ external acceleration, qp
+///
+/// A pose that is to be left to what touches the arm has the weight 0.
+///
+/// Source: Celerier et al. 2025 (EC); of contacts Magrini, Flacco & De Luca 2015 (CF).
 class ComplianceControl final : public Composite {
  public:
   struct Options {
@@ -169,6 +177,8 @@ class ComplianceControl final : public Composite {
     std::optional<FrameSpeedLimit::Options> speed_limit = {};
     std::vector<WorkspacePlanes::Options> workspace = {};
     std::optional<ForceLimit::Options> force_limit = {};  ///< of the wrist sensor's contact
+    std::optional<ContactSettings> contacts = {};         ///< none: what touches the arm is no task
+    double contact_weight = 1e6;  ///< of each of the contacts, beside the pose's
     ArmCommand command = ArmCommand::Torque;
     TorqueLoopChoice torque_loop = {};
 
@@ -189,6 +199,8 @@ class ComplianceControl final : public Composite {
       f("speed_limit", speed_limit);
       f("workspace", workspace);
       f("force_limit", force_limit);
+      f("contacts", contacts);
+      f("contact_weight", contact_weight, "", kPositive);
       f("command", command);
       f("torque_loop", torque_loop);
     }
@@ -202,7 +214,10 @@ class ComplianceControl final : public Composite {
   Input<JointTorque> true_torque;        ///< τ_e; 0 if not connected
   Input<Wrench> wrench;                  ///< of the wrist sensor; 0 if not connected
   Input<MotorCurrent> measured_current;  ///< read with modes.control only
-  Output<JointTorque> torque;            ///< τ_d
+  InputList<ContactForce> contacts;      ///< of the environment
+  /// Of the camera, if `contacts` are seen.
+  std::optional<Input<DepthImage>> image;
+  Output<JointTorque> torque;  ///< τ_d
   Output<MotorCurrent> current;
   Output<JointTorque> torque_error;        ///< τ_d − B q̈_d − τ, behind the gears
   Output<JointBits> saturated;             ///< joints whose current is cut
@@ -222,6 +237,8 @@ class ComplianceControl final : public Composite {
   Output<Twist> pose_error_rate;
   Output<JointPosition> posture_error;
   Output<ComplianceQpReport> report;
+
+  const ContactTasks* contact_tasks = nullptr;  ///< if there are `contacts`
 };
 
 }  // namespace pliant

@@ -76,12 +76,7 @@ ArmActuators AssumedActuators(const Scenario& scenario, const SimulatedArm::Opti
 /// What the torque loop of a controller has to drive: nothing if the arm takes torques.
 std::optional<LowLevelTorque::Options> MotorsOf(const RobotModel& assumed, const Scenario& scenario,
                                                 const SimulatedArm::Options& arm) {
-  if (std::get<StationOptions>(scenario.station).ideal || arm.firmware.compensated) {
-    Require(scenario.assumed_friction.empty(),
-            "assumed_friction is of the loop that makes currents of torques, and this arm takes "
-            "torques; leave it out, or give a robot such as gen3 and a station that is not ideal");
-    return {};
-  }
+  if (std::get<StationOptions>(scenario.station).ideal || arm.firmware.compensated) return {};
   return LowLevelTorqueOf(AssumedActuators(scenario, arm), assumed, PeriodOf(arm));
 }
 
@@ -128,6 +123,18 @@ void Complete(NullSpaceControl::Options& control, const Scenario& scenario,
                               [](const ActuatorParameters& p) { return p.friction.coulomb; });
 }
 
+/// How contacts are seen; null if they are not.
+const SeenContacts* SightOf(const ArmController& controller) {
+  const ContactSettings* settings = nullptr;
+  if (const auto* contact = std::get_if<ContactControl::Options>(&controller))
+    settings = &contact->contact;
+  const auto* compliance = std::get_if<ComplianceControl::Options>(&controller);
+  if (compliance && compliance->contacts) settings = &*compliance->contacts;
+  return settings ? std::get_if<SeenContacts>(&settings->localization) : nullptr;
+}
+
+void Complete(ContactControl::Options&, const Scenario&, const SimulatedArm::Options&) {}
+
 /// The mode of the arm that a controller is made for.
 ControlMode TorqueMode(const std::optional<LowLevelTorque::Options>& motors) {
   return motors ? ControlMode::Current : ControlMode::Torque;
@@ -139,6 +146,17 @@ ControlMode ModeOf(const ComplianceControl::Options& control) {
 ControlMode ModeOf(const FrictionExperiment::Options&) { return ControlMode::Current; }
 ControlMode ModeOf(const NullSpaceControl::Options& control) {
   return TorqueMode(control.low_level);
+}
+ControlMode ModeOf(const ContactControl::Options& control) { return TorqueMode(control.low_level); }
+
+/// What of contacts is.
+void Append(std::vector<const internal::Value*>& values, const ContactTasks& tasks) {
+  values.insert(values.end(),
+                {&tasks.residual, &tasks.touched, &tasks.link, &tasks.external_torque,
+                 &tasks.contacts, &tasks.observability, &tasks.sight, &tasks.place_error});
+  for (const ContactPlace* place : tasks.places)
+    values.insert(values.end(), {&place->error, &place->velocity, &place->force,
+                                 &place->force_error, &place->wanted, &place->status});
 }
 
 /// What of a controller is worth a place in the log.
@@ -152,6 +170,7 @@ std::vector<const internal::Value*> RecordedOf(const ComplianceControl& control,
   if (o.collisions) values.push_back(&control.distance);
   if (o.door) values.push_back(&control.door);
   if (o.modes) values.push_back(&control.yields);
+  if (o.contacts) Append(values, *control.contact_tasks);
   if (o.modes && o.modes->control)
     values.insert(values.end(), {&control.arm_mode, &control.arm_control, &control.braking});
   return values;
@@ -169,6 +188,15 @@ std::vector<const internal::Value*> RecordedOf(const NullSpaceControl& control,
           &control.target,          &control.path_error,  &control.orientation_error,
           &control.storage,         &control.supply,      &control.excess,
           &control.least_singular};
+}
+
+std::vector<const internal::Value*> RecordedOf(const ContactControl& control,
+                                               const ContactControl::Options&) {
+  std::vector<const internal::Value*> values{&control.torque,       &control.current,
+                                             &control.torque_error, &control.saturated,
+                                             &control.acceleration, &control.report};
+  Append(values, *control.contact_tasks);
+  return values;
 }
 
 Duration Seconds(double s) {
@@ -357,8 +385,14 @@ ArmController ControllerOf(const Scenario& scenario, const SimulatedArm::Options
         control.position = arm.position;
         control.rotor_inertia = arm.actuators.reflected_inertia();
         control.period = PeriodOf(arm);
-        if constexpr (requires { control.low_level; })
+        if constexpr (requires { control.low_level; }) {
           control.low_level = MotorsOf(control.model, scenario, arm);
+          constexpr bool compensates = requires { control.coulomb; };
+          Require(control.low_level || compensates || scenario.assumed_friction.empty(),
+                  "assumed_friction is of the loop that makes currents of torques, and this arm "
+                  "takes torques; leave it out, or give a robot such as gen3 and a station that is "
+                  "not ideal");
+        }
         Complete(control, scenario, arm);
       },
       controller);
@@ -393,14 +427,46 @@ ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<Recor
   arm = &b.Add<SimulatedArm>("arm", station);
   Environment environment(b, *arm, *true_torque, station.model, period);
   for (const EnvironmentPart& part : scenario.environment) std::visit(environment, part);
-  const auto* compliant = std::get_if<NullSpaceControl::Options>(&controller);
-  if (compliance)
-    control = &b.Add<ComplianceControl>("control", *compliance);
-  else if (compliant)
-    null_space = &b.Add<NullSpaceControl>("control", *compliant);
-  else
-    friction =
-        &b.Add<FrictionExperiment>("control", std::get<FrictionExperiment::Options>(controller));
+  DepthCamera* camera = nullptr;
+  if (const SeenContacts* seen = SightOf(controller)) {
+    camera = &b.Add<DepthCamera>("camera", CameraOf(*seen, station.model, scenario.seed));
+    b.Connect(arm->position, camera->position);
+    for (const Output<ContactForce>* touch : environment.contacts)
+      b.Connect(*touch, camera->contacts);
+  }
+  std::vector<const internal::Value*> recorded;
+  const auto add = [&]<class Controller>(Controller*& added) {
+    const auto* options = std::get_if<typename Controller::Options>(&controller);
+    if (!options) return;
+    Controller& to = b.Add<Controller>("control", *options);
+    added = &to;
+    recorded = RecordedOf(to, *options);
+    b.Connect(arm->measured_position, to.measured_position);
+    b.Connect(arm->measured_velocity, to.measured_velocity);
+    b.Connect(arm->measured_torque, to.measured_torque);
+    b.Connect(to.current, arm->current_command);
+    if constexpr (requires { to.true_torque; }) b.Connect(true_torque->torque, to.true_torque);
+    if constexpr (requires { to.wrench; }) b.Connect(arm->wrench, to.wrench);
+    if constexpr (requires { to.contacts; })
+      for (const Output<ContactForce>* touch : environment.contacts) b.Connect(*touch, to.contacts);
+    if constexpr (requires { to.image; })
+      if (camera) b.Connect(camera->image, *to.image);
+    if (!station.firmware.compensated) {
+      b.Connect(to.torque, arm->torque_command);
+      return;
+    }
+    auto& assumed = b.Add<ModelDynamics>("assumed_motion", {.model = ModelOf(controller)});
+    auto& carried = b.Add<WithoutWeight>("carried", station.model.joints());
+    b.Connect(arm->measured_position, assumed.position);
+    b.Connect(arm->measured_velocity, assumed.velocity);
+    b.Connect(to.torque, carried.torque);
+    b.Connect(assumed.dynamics, carried.dynamics);
+    b.Connect(carried.command, arm->torque_command);
+  };
+  add(control);
+  add(friction);
+  add(null_space);
+  add(contact);
   auto& tool = b.Add<ToolMotion>("tool", station.model.joints());
   const bool switches = compliance && compliance->modes && compliance->modes->control;
   Require(!switches || scenario.schedule.empty(),
@@ -415,37 +481,8 @@ ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<Recor
   b.Connect(arm->measured_position, link_motion.position);
   b.Connect(arm->measured_velocity, link_motion.velocity);
   b.Connect(link_motion.dynamics, true_torque->dynamics);
-  const auto connect = [&](auto& to) {
-    b.Connect(arm->measured_position, to.measured_position);
-    b.Connect(arm->measured_velocity, to.measured_velocity);
-    b.Connect(arm->measured_torque, to.measured_torque);
-    b.Connect(to.current, arm->current_command);
-    if constexpr (requires { to.true_torque; }) b.Connect(true_torque->torque, to.true_torque);
-    if constexpr (requires { to.wrench; }) b.Connect(arm->wrench, to.wrench);
-    if constexpr (requires { to.contacts; })
-      for (const Output<ContactForce>* contact : environment.contacts)
-        b.Connect(*contact, to.contacts);
-    if (!station.firmware.compensated) {
-      b.Connect(to.torque, arm->torque_command);
-      return;
-    }
-    auto& assumed = b.Add<ModelDynamics>("assumed_motion", {.model = ModelOf(controller)});
-    auto& carried = b.Add<WithoutWeight>("carried", station.model.joints());
-    b.Connect(arm->measured_position, assumed.position);
-    b.Connect(arm->measured_velocity, assumed.velocity);
-    b.Connect(to.torque, carried.torque);
-    b.Connect(assumed.dynamics, carried.dynamics);
-    b.Connect(carried.command, arm->torque_command);
-  };
-  if (control) {
-    connect(*control);
-    if (compliance->command == ArmCommand::Position || switches)
-      b.Connect(control->position, arm->position_command);  // else it holds its start
-  } else if (null_space) {
-    connect(*null_space);
-  } else {
-    connect(*friction);
-  }
+  if (control && (compliance->command == ArmCommand::Position || switches))
+    b.Connect(control->position, arm->position_command);  // else it holds its start
   b.Connect(arm->motion, tool.motion);
   b.Connect(switches ? control->arm_mode : schedule->mode, arm->mode);
   if (switches) b.Connect(arm->measured_current, control->measured_current);
@@ -459,11 +496,7 @@ ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<Recor
          arm->measured_current, arm->wrench, arm->status, arm->position, arm->velocity,
          arm->joint_torque, arm->energy, tool.position, tool.pose, tool.twist, true_torque->torque);
   if (schedule) record(schedule->mode);
-  for (const internal::Value* value :
-       control      ? RecordedOf(*control, *compliance)
-       : null_space ? RecordedOf(*null_space, *compliant)
-                    : RecordedOf(*friction, std::get<FrictionExperiment::Options>(controller)))
-    b.Connect(*value, recorder.in);
+  for (const internal::Value* value : recorded) b.Connect(*value, recorder.in);
 }
 
 }  // namespace pliant

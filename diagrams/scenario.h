@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "pliant/diagrams/compliance_control.h"
+#include "pliant/diagrams/contact_control.h"
 #include "pliant/diagrams/friction_experiment.h"
 #include "pliant/diagrams/mode_schedule.h"
 #include "pliant/diagrams/null_space_control.h"
@@ -77,7 +78,7 @@ using EnvironmentPart =
 
 /// What commands the arm.
 using ArmController = std::variant<ComplianceControl::Options, FrictionExperiment::Options,
-                                   NullSpaceControl::Options>;
+                                   NullSpaceControl::Options, ContactControl::Options>;
 
 /// The settings of a !Compliance; throws Error if the controller is of another kind.
 const ComplianceControl::Options& ComplianceOf(const ArmController& controller);
@@ -161,6 +162,7 @@ struct ScenarioDiagram {
   ComplianceControl* control = nullptr;    ///< if it is !Compliance
   FrictionExperiment* friction = nullptr;  ///< if it is !FrictionExperiment
   NullSpaceControl* null_space = nullptr;  ///< if it is !NullSpaceCompliance
+  ContactControl* contact = nullptr;       ///< if it is !ContactControl
   ContactTorque* true_torque;
   Duration control_period;
 };

@@ -4,6 +4,7 @@
 #include <array>
 #include <string>
 
+#include "pliant/plants/robot_model.h"
 #include "pliant/systems/signal.h"
 
 namespace pliant {
@@ -30,5 +31,11 @@ struct Contacts {
     for (std::size_t i = 0; i < at.size(); ++i) f("contact_" + std::to_string(i + 1), at[i], "");
   }
 };
+
+/// Whether a link is one of the model's: −1, none, is not, nor what a wire may bring from
+/// elsewhere.
+inline bool IsLink(const RobotModel& model, int link) {
+  return link >= 0 && link < static_cast<int>(model.links().size());
+}
 
 }  // namespace pliant

@@ -34,8 +34,13 @@ void Composite::Wire(const internal::Value& from, const internal::Value& to) {
   const auto refuse = [&](const std::string& why, const std::string& way_out = "") {
     throw Error("cannot connect: " + why + internal::Ends(from, to) + way_out);
   };
+  // Whoever looks on, as a recorder does, may look at any part of a part.
+  const bool looks_on = to.block_->values_[static_cast<std::size_t>(to.index_)].type == nullptr;
+  const Block* part = from.block_;
+  while (looks_on && part->parent_ && part->parent_ != this) part = part->parent_;
+  const bool seen = looks_on && part->parent_ == this;
   for (const internal::Value* end : {&from, &to})
-    if (end->block_ != this && end->block_->parent_ != this)
+    if (end->block_ != this && end->block_->parent_ != this && !(end == &from && seen))
       refuse(end->path() + " is not a port of this diagram or of a part of it",
              "\nadd its block to this diagram, or export the port of the inner one");
 

@@ -17,6 +17,7 @@ pliant_test(plants/simbody_and_sundials_test.cc
 target_link_options(plants_simbody_and_sundials_test PRIVATE LINKER:--exclude-libs,ALL)
 
 pliant_test(plants/push_test.cc LIBRARIES pliant::plants)
+pliant_test(plants/true_contacts_test.cc LIBRARIES pliant::plants)
 pliant_test(plants/simbody_plant_test.cc LIBRARIES pliant::plants)
 pliant_test(plants/actuator_parameters_test.cc LIBRARIES pliant::plants)
 pliant_test(plants/parameter_file_test.cc LIBRARIES pliant::plants)
@@ -46,3 +47,8 @@ find_package(CGAL REQUIRED)
 pliant_test(plants/collision_exact_test.cc LIBRARIES pliant::plants CGAL::CGAL)
 find_package(fcl REQUIRED)
 pliant_test(plants/collision_fcl_test.cc LIBRARIES pliant::plants fcl)
+
+pliant_test(plants/depth_camera_test.cc LIBRARIES pliant::plants)
+pliant_test(plants/pinhole_test.cc LIBRARIES pliant::plants)
+pliant_test(plants/solid_test.cc LIBRARIES pliant::plants)
+pliant_test(plants/solid_fcl_test.cc LIBRARIES pliant::plants fcl)

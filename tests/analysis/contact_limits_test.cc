@@ -52,7 +52,7 @@ TEST(ContactLimits, AreThoseOfTheTable) {
   EXPECT_EQ(LimitsOf(BodyArea::NeckMuscle).transient, 2);
 }
 
-TEST(Contacts, AreTransientForTheirFirstHalfSecond) {
+TEST(ContactSummary, AreTransientForTheirFirstHalfSecond) {
   const Eigen::VectorXd t = Eigen::VectorXd::LinSpaced(2001, 0, 2);
   Eigen::VectorXd f = Eigen::VectorXd::Zero(2001);
   f.segment(100, 1000).setConstant(20);  // 0.1 s to 1.099 s
@@ -60,18 +60,18 @@ TEST(Contacts, AreTransientForTheirFirstHalfSecond) {
   f(599) = 50;   // 0.499 s after it began
   f(600) = 40;   // 0.5 s after it began
   f(1500) = 30;  // another one
-  const Contacts of = ContactsOf(t, f, 1);
+  const ContactSummary of = ContactsOf(t, f, 1);
   EXPECT_EQ(of.count, 2);
   EXPECT_EQ(of.transient, 90);
   EXPECT_EQ(of.quasi_static, 40);
   EXPECT_NEAR(of.longest_s, 0.999, 1e-12);
 }
 
-TEST(Contacts, GoOnThroughShortPauses) {
+TEST(ContactSummary, GoOnThroughShortPauses) {
   const Eigen::VectorXd t = Eigen::VectorXd::LinSpaced(2001, 0, 2);
   Eigen::VectorXd f = Eigen::VectorXd::Constant(2001, 10);
   for (const Eigen::Index k : {400, 800, 1200}) f(k) = 0;
-  const Contacts tapped = ContactsOf(t, f, 1);
+  const ContactSummary tapped = ContactsOf(t, f, 1);
   EXPECT_EQ(tapped.count, 1);
   EXPECT_EQ(tapped.quasi_static, 10);
   f.segment(300, 102).setZero();  // from one contact to the next it is 0.103 s
@@ -84,7 +84,7 @@ TEST(KeepsContactLimits, DoesNotHoldWhereNothingIsTouched) {
   EXPECT_EQ(of.measured, "0 contacts of hand_1.contact");
 }
 
-TEST(Contacts, TakeWhatIsNotANumberForInfinite) {
+TEST(ContactSummary, TakeWhatIsNotANumberForInfinite) {
   Eigen::VectorXd f = Eigen::VectorXd::Zero(3);
   f(1) = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(ContactsOf(Eigen::VectorXd::LinSpaced(3, 0, 1), f, 1).transient,

@@ -86,7 +86,7 @@ TEST(NumberTable, RefusesWhatDoesNotFit) {
   EXPECT_EQ(error([](NumberTable& t) { t.rows.clear(); }), "it shows no number");
   EXPECT_EQ(error([](NumberTable& t) { t.rows[0].paper.pop_back(); }),
             "row 'largest': paper has what the paper says of each of the 2 runs, got 1");
-  EXPECT_EQ(error([](NumberTable& t) { t.rows[1].unit.clear(); }),
+  EXPECT_EQ(error([](NumberTable& t) { t.rows[1].unit.reset(); }),
             "row 'of 10 N': unit is missing: what a number has that is multiplied by 10");
 }
 

@@ -123,7 +123,7 @@ class ScenarioFile(InFolder):
                    "arm.yaml:12:5: there is no !HoldTool here; did you mean 'HoldsTool'?\n"
                    "  known: !StandsStill, !HoldsTool, !YieldsAsInertia, !KeepsLimits, !KeepsDamper, !MovesAlong, "
                    "!KeepsDoor, !FollowsAsWell, !ComesAsNear, !KeepsContactLimits, !Bound, !Least, "
-                   "!Order, !Differs, !Equivalent, !FrictionIdentified")
+                   "!Order, !Differs, !Equivalent, !FrictionIdentified, !Swings")
         for name in ("a/b", "..", "a b", "é"):
             self.check(f"{self.scenario}runs:\n  - {{name: {name}, title: t}}\n",
                        "arm.yaml: the name of a run, which names its log, has letters, digits, '_' and '-', "

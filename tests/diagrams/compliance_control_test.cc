@@ -322,6 +322,80 @@ TEST(ComplianceControl, RefusesOptionsThatContradictEachOther) {
             "1");
 }
 
+/// An arm that gives way to a push on its forearm as CF has it, by one controller or the other.
+Scenario GivesWay(const ArmController& controller) {
+  Scenario scenario = Pushed(0, 0, TorqueEstimate::Observer);
+  scenario.controller = controller;
+  scenario.environment = {PushOf("forearm_link", {0, 20, 10}, 0.3)};
+  return scenario;
+}
+
+ContactSettings Springs() {
+  return {.behavior = ContactImpedance::Gains{.damping = TaskMatrix::Constant(1, 1, 80),
+                                              .stiffness = TaskMatrix::Constant(1, 1, 500)},
+          .tare_from_s = 0.1,
+          .tare_until_s = 0.2,
+          .threshold = JointMatrix::Constant(1, 1, 0.1)};
+}
+
+/// The largest way of the first contact, and where it is at the end.
+std::pair<double, Eigen::Vector3d> WayOf(const Scenario& scenario) {
+  ScenarioDiagram scene(scenario);
+  const Diagram diagram = scene.builder.Build();
+  const auto& slots = diagram.plan().slots;
+  const auto slot = std::ranges::find_if(slots, [](const internal::Slot& s) {
+    return s.value && s.value->path() == "control.tasks.place_1.anchor.error";
+  });
+  if (slot == slots.end()) throw Error("there is no anchor");
+  const auto& error = static_cast<const Output<Position>&>(*slot->value);
+  Simulator sim(diagram);
+  double most = 0;
+  for (int k = 0; k < 1000; ++k) {
+    sim.AdvanceThroughTick();
+    most = std::max(most, sim.Get(error).norm());
+  }
+  return {most, sim.Get(error)};
+}
+
+// Where no limit is near, the QP asks the joints for the contact's acceleration as CF's law does:
+// its posture counts w₀/w = 1e-8. What it leaves free moves otherwise, and with it the natural
+// inertia, so the ways are the same but for a hundredth.
+TEST(ComplianceControl, GivesWayAtContactsAsCfsLawDoes) {
+  ComplianceControl::Options qp;
+  qp.tool = "tool_frame";
+  qp.pose.weight = 0;
+  qp.posture.damping = JointMatrix::Constant(1, 1, 20);
+  qp.contacts = Springs();
+  qp.contact_weight = 1e8;
+  ContactControl::Options law;
+  law.tool = "tool_frame";
+  law.contact = Springs();
+  const auto [qp_way, qp_end] = WayOf(GivesWay(qp));
+  const auto [law_way, law_end] = WayOf(GivesWay(law));
+  EXPECT_GT(law_way, 0.01);
+  EXPECT_NEAR(qp_way, law_way, 0.01 * law_way);
+  EXPECT_LT((qp_end - law_end).norm(), 0.01 * law_way);
+}
+
+TEST(ComplianceControl, RefusesContactsItCannotFind) {
+  const auto error = [](const auto& change) {
+    ComplianceControl::Options o;
+    o.tool = "tool_frame";
+    o.contacts = Springs();
+    change(o);
+    return ErrorOf([&] { ScenarioDiagram scene(GivesWay(o)); });
+  };
+  using Options = ComplianceControl::Options;
+  EXPECT_EQ(error([](Options& o) { o.estimate = TorqueEstimate::Zero; }),
+            "control: contacts are found by the residual of an observer, so estimate must be "
+            "observer or super_twisting");
+  EXPECT_EQ(error([](Options& o) { o.command = ArmCommand::Position; }),
+            "control: contacts are of an arm that is commanded torques; expected the command "
+            "torque and no modes.control");
+  EXPECT_EQ(error([](Options& o) { o.contact_weight = 0; }),
+            "control: contact_weight must be > 0, got 0");
+}
+
 /// A scenario with everything that a controller may have at once.
 TEST(ComplianceControl, KeepsEverythingItIsToldToAtOnceWithoutHeap) {
   ComplianceControl::Options control;

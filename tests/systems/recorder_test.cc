@@ -117,6 +117,35 @@ TEST(Recorder, OpensItsSinkOnceWithWhatIsWired) {
   EXPECT_EQ(values[2].elements[11], ".rotation[2,2]");
 }
 
+/// Three levels above a constant, of which none exports it.
+class Within final : public Composite {
+ public:
+  explicit Within(int levels) {
+    if (levels > 0)
+      part = Add<Within>("part", levels - 1).part;
+    else
+      part = &Add<Constant<double>>("seven", {.value = 7}).y;
+  }
+  const Output<double>* part;
+};
+
+TEST(Recorder, LooksAtAnyPartOfAPart) {
+  const auto sink = std::make_shared<Memory>();
+  DiagramBuilder b, other;
+  auto& within = b.Add<Within>("within", 2);
+  auto& recorder = b.Add<Recorder>("recorder", {.period = 1ms, .sink = sink});
+  b.Connect(*within.part, recorder.in);
+  EXPECT_THAT(ErrorOf([&] { b.Connect(*other.Add<Within>("else", 2).part, recorder.in); }),
+              testing::StartsWith("cannot connect: else.part.part.seven.y is not a port of this "
+                                  "diagram or of a part of it"));
+  const Diagram diagram = b.Build();
+  Simulator sim{diagram};
+  sim.AdvanceTo(0.0005);
+  ASSERT_EQ(sink->opened.at(0).size(), 1u);
+  EXPECT_EQ(sink->opened[0][0].path, "within.part.part.seven.y");
+  EXPECT_EQ(sink->rows.at(0).numbers[0], 7);
+}
+
 TEST(Recorder, HandsOnTheInstantOfATick) {
   const auto sink = std::make_shared<Memory>();
   DiagramBuilder b;
