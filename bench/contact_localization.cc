@@ -1,8 +1,7 @@
 // How well contacts are found from a depth camera, over the whole surface of a KUKA LWR IV+: points
 // drawn uniformly from the surface of each link, in several postures, pushed by 20 N within 20° of
 // the inward normal. A camera as in the experiments renders the hand with its noise; the contact is
-// localised from that one picture, and the force found from the residual by the pseudo-inverse of
-// the contact's Jacobian.
+// localised from that one picture, and the force found from the residual by ContactForceEstimate.
 //
 //   contact_localization [SAMPLES [SEED]]
 //
@@ -11,10 +10,11 @@
 // The link that the residual isolates is that of the last joint that feels three times its error.
 // A point is drawn again where no hand fits: inside another link, or where the ball or the forearm
 // would cut into one. `seen` is the share of the contacts of which something was localised, `link`
-// the share of these on the right link. The residual is exact, or off by a normal error as large as
-// what a good model of this arm leaves in recordings.
+// the share of these on the right link. Errors of forces are those in the directions that joints
+// feel at the place; `direction lost` is the share of pushes at whose true place that is not all
+// three. The residual is exact, or off by a normal error as large as what a good model of this arm
+// leaves in recordings.
 
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -24,6 +24,7 @@
 #include <string>
 #include <vector>
 
+#include "pliant/estimators/contact_force_estimate.h"
 #include "pliant/estimators/contact_localization.h"
 #include "pliant/plants/depth_camera.h"
 #include "pliant/plants/pushing_hand.h"
@@ -71,28 +72,6 @@ SurfacePoint OnSurface(const Solid& s, Draw& draw) {
   const Vector3d n = draw.Direction();
   const double end = n.dot(a) < 0 ? -1 : 1;
   return {0, s.center + end * s.half.z() * a + s.radius * n, n};
-}
-
-/// F̂ = (J_cᵀ)^# r, of the columns the link has; directions seen weaker than 5 cm are left out.
-struct Estimate {
-  Vector3d force = Vector3d::Zero();
-  Eigen::Matrix3d observable = Eigen::Matrix3d::Zero();  // projector
-  int rank = 0;
-};
-Estimate ForceAt(const RobotModel& m, const RobotDynamics& d, const ContactForce& at,
-                 const PerJoint& r) {
-  const Eigen::MatrixXd J = PointDynamics(m, d, at.link, at.point).J.bottomRows<3>();
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(J, Eigen::ComputeThinU | Eigen::ComputeThinV);
-  Estimate e;
-  for (int i = 0; i < 3; ++i) {
-    const double sigma = svd.singularValues()(i);
-    if (sigma < 0.05) continue;
-    const Vector3d u = svd.matrixU().col(i);
-    e.force += u * (svd.matrixV().col(i).dot(r) / sigma);
-    e.observable += u * u.transpose();
-    ++e.rank;
-  }
-  return e;
 }
 
 double Quantile(std::vector<double> x, double p) {
@@ -198,17 +177,35 @@ class Study {
     for (int i = 0; i < 7; ++i)
       if (std::abs(r_off(i)) > 3 * kResidualError(i)) isolated = model_.joint(i).child;
     const ContactForce found = Look(push, isolated);
-    const Estimate truth = ForceAt(model_, d_, push, r_off);
-    if (truth.rank < 3) ++row.lost_rank;
+    const double of_true_place = ForceError(push, r_off, force);
+    if (force_.Get(force_->observability).rank < 3) ++row.lost_rank;
     if (found.link < 0) return;
     ++row.seen;
     row.right_link += found.link == link;
     const Vector3d x = MotionOf(model_, d_, found.link, found.point).position;
     row.place.push_back((x - at.point).norm());
-    const auto error = [&](const Estimate& e) { return (e.force - e.observable * force).norm(); };
-    row.known.push_back(error(truth));
-    row.exact.push_back(error(ForceAt(model_, d_, found, r)));
-    row.noisy.push_back(error(ForceAt(model_, d_, found, r_off)));
+    row.known.push_back(of_true_place);
+    row.exact.push_back(ForceError(found, r, force));
+    row.noisy.push_back(ForceError(found, r_off, force));
+  }
+
+  /// ‖F̂ − F‖ in the directions that joints feel at the place.
+  double ForceError(const ContactForce& at, const PerJoint& residual, const Vector3d& force) {
+    Contacts places;
+    places.at[0] = at;
+    BlockTester<ContactForceEstimate>& t = force_;
+    t.Set(t->places, places);
+    t.Set(t->dynamics, d_);
+    t.Set(t->residual, residual);
+    t.Tick();
+    const ContactObservability& seen = t.Get(t->observability);
+    const Vector3d error = t.Get(t->contacts).at[0].force - force;
+    double squared = 0;
+    for (int k = 0; k < seen.rank; ++k) {
+      const Vector3d direction = seen.directions.col(k).head<3>();
+      squared += std::pow(direction.dot(error), 2);
+    }
+    return std::sqrt(squared);
   }
 
   /// One picture; before it, one in which nothing is touched, so that nothing is known.
@@ -251,6 +248,8 @@ class Study {
   std::vector<Row> rows_ = std::vector<Row>(placed_.size());
   BlockTester<DepthCamera> camera_{CameraOptions()};
   BlockTester<ContactLocalization> localization_{LocalizationOptions()};
+  BlockTester<ContactForceEstimate> force_{
+      ContactForceEstimate::Options{.model = model_, .period = 1ms}};
   const Input<ContactForce>& seen_ = camera_.Join(camera_->contacts, {});
 };
 

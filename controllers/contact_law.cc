@@ -54,7 +54,7 @@ ContactLaw::Solution ContactLaw::Solve(const Solution& last, const RobotDynamics
   now.report = {};
   now.qdd = Serve(now.report, d, wishes);
   if (now.report.outcome == Outcome::Posture) {
-    if (last.report.rows > 0) now.posture = d.q;
+    if (last.report.rows > 0 && d.q.allFinite()) now.posture = d.q;
     now.qdd = Hold(d, now.posture);
   }
   now.torque = InverseDynamics(d, now.qdd) - ExternalTorque(o_.model, d, at.at);
@@ -80,7 +80,7 @@ JointAcceleration ContactLaw::Serve(ContactLawReport& told, const RobotDynamics&
   Rows b = Rows::Zero();
   for (int i = 0; i < wishes.size(); ++i) {
     const Objective& wish = wishes[i];
-    if (!(wish.weight > 0)) continue;
+    if (!(wish.weight > 0) || wish.A.isZero(0)) continue;
     const int rows = static_cast<int>(wish.A.rows());
     told.outcome = std::max(told.outcome, Outcome::Contact);
     if (told.rows + rows > kMaxRows) {

@@ -17,6 +17,7 @@ ContactControl::ContactControl(const Options& o)
       acceleration{this, "acceleration", o.model.joints()},
       report{this, "report"} {
   const Joints& joints = o.model.joints();
+  o.model.link_index(o.tool);  // throws Error if there is none
 
   auto& dynamics =
       Add<ModelDynamics>("dynamics", {.model = o.model, .rotor_inertia = o.rotor_inertia});
@@ -46,7 +47,7 @@ ContactControl::ContactControl(const Options& o)
     Connect(*image, *tasks.image);
   }
   Connect(dynamics.dynamics, law.dynamics);
-  Connect(tasks.contacts, law.contacts);
+  Connect(tasks.acting, law.contacts);
   for (const Output<Objective>& objective : tasks.objectives) Connect(objective, law.objectives);
   contact_tasks = &tasks;
 

@@ -1,32 +1,52 @@
 #include "pliant/diagrams/contact_place.h"
 
+#include <limits>
+
 #include "pliant/systems/constant.h"
 
 namespace pliant {
 
 namespace {
 
-/// The force at a place, and what it is off the true one.
+/// The force at a place, and what it is off that of the nearest true contact.
 class ForceAtPlace final : public Block {
  public:
   struct Options {
+    RobotModel model;
     int place;
   };
 
-  explicit ForceAtPlace(const Options& o) : place_{static_cast<std::size_t>(o.place)} {
+  explicit ForceAtPlace(const Options& o)
+      : dynamics{this, "dynamics", o.model.joints()},
+        model_{o.model},
+        place_{static_cast<std::size_t>(o.place)} {
     Compute(force).From(contacts).As(&ForceAtPlace::Of);
-    Compute(error).From(contacts, true_contacts).As(&ForceAtPlace::Error);
+    Compute(error).From(contacts, true_contacts, dynamics).As(&ForceAtPlace::Error);
   }
 
   Input<Contacts> contacts{this, "contacts"}, true_contacts{this, "true_contacts"};
+  Input<RobotDynamics> dynamics;
   Output<Force> force{this, "force"}, error{this, "error"};
 
  private:
   Force Of(const Contacts& all) const { return all.at[place_].force; }
-  Force Error(const Contacts& all, const Contacts& truth) const {
-    return all.at[place_].force - truth.at[place_].force;
+  Force Error(const Contacts& all, const Contacts& truth, const RobotDynamics& d) const {
+    const ContactForce& here = all.at[place_];
+    if (!IsLink(model_, here.link)) return Force(-truth.at[place_].force);
+    const Eigen::Vector3d x = MotionOf(model_, d, here.link, here.point).position;
+    const ContactForce* nearest = nullptr;
+    double least = std::numeric_limits<double>::infinity();
+    for (const ContactForce& contact : truth.at) {
+      if (!IsLink(model_, contact.link)) continue;
+      const double off = (MotionOf(model_, d, contact.link, contact.point).position - x).norm();
+      if (off >= least) continue;
+      least = off;
+      nearest = &contact;
+    }
+    return nearest ? Force(here.force - nearest->force) : Force(here.force);
   }
 
+  const RobotModel model_;
   const std::size_t place_;
 };
 
@@ -47,10 +67,11 @@ ContactPlace::ContactPlace(const Options& o)
   auto& anchor = Add<ContactAnchor>(
       "anchor",
       {.model = o.model, .place = o.place, .period = o.period, .same_point = o.same_point});
-  auto& at = Add<ForceAtPlace>("force_at", {.place = o.place});
+  auto& at = Add<ForceAtPlace>("force_at", {.model = o.model, .place = o.place});
   Connect(contacts, anchor.contacts);
   Connect(dynamics, anchor.dynamics);
   Connect(contacts, at.contacts);
+  Connect(dynamics, at.dynamics);
   Connect(true_contacts, at.true_contacts);
   Connect(anchor.contact, contact);
   Connect(anchor.error, error);

@@ -36,7 +36,7 @@ class ContactPlace final : public Composite {
   Output<Position> error;             ///< x_d − x_c, from where contact began
   Output<LinearVelocity> velocity;    ///< ẋ_c
   Output<Force> force;                ///< F̂
-  Output<Force> force_error;          ///< F̂ − F
+  Output<Force> force_error;          ///< F̂ − F of the nearest true contact
   Output<Force> wanted;               ///< F_d; 0 unless a force is regulated
   Output<ContactForceStatus> status;  ///< of the force control; Idle with an impedance
   Output<Objective> objective;

@@ -10,6 +10,29 @@ namespace pliant {
 
 namespace {
 
+/// What acts at the points that are controlled: F̂ where contact began, wherever it is found since.
+class ActingContacts final : public Block {
+ public:
+  ActingContacts() { Compute(contacts).From(first, second, third).As(&ActingContacts::Gather); }
+
+  Input<AnchoredContact> first{this, "first"}, second{this, "second"}, third{this, "third"};
+  Output<Contacts> contacts{this, "contacts"};
+
+ private:
+  Contacts Gather(const AnchoredContact& a, const AnchoredContact& b,
+                  const AnchoredContact& c) const {
+    const auto of = [](const AnchoredContact& contact) {
+      ContactForce force;
+      if (!contact.touched) return force;
+      force.link = contact.link;
+      force.point = contact.point;
+      force.force = contact.force;
+      return force;
+    };
+    return {.at = {of(a), of(b), of(c)}};
+  }
+};
+
 /// A number for all joints, or one for each.
 PerJoint ForEachJoint(const JointMatrix& given, int n) {
   if (given.size() == 1) return PerJoint::Constant(n, given(0, 0));
@@ -30,6 +53,7 @@ ContactTasks::ContactTasks(const Options& o)
       link{this, "link"},
       external_torque{this, "external_torque", o.model.joints()},
       contacts{this, "contacts"},
+      acting{this, "acting"},
       observability{this, "observability"},
       sight{this, "sight"},
       place_error{this, "place_error"},
@@ -82,6 +106,10 @@ ContactTasks::ContactTasks(const Options& o)
   Connect(estimate.contacts, contacts);
   Connect(estimate.observability, observability);
   Connect(estimate.explained, external_torque);
+  auto& gathered = Add<ActingContacts>("gathered");
+  const std::array<Input<AnchoredContact>*, kMaxContacts> acts{&gathered.first, &gathered.second,
+                                                               &gathered.third};
+  Connect(gathered.contacts, acting);
   for (int i = 0; i < kMaxContacts; ++i) {
     auto& place = Add<ContactPlace>("place_" + std::to_string(i + 1), {.model = o.model,
                                                                        .place = i,
@@ -94,6 +122,7 @@ ContactTasks::ContactTasks(const Options& o)
     Connect(dynamics, place.dynamics);
     const auto k = static_cast<std::size_t>(i);
     Connect(place.objective, objectives[k]);
+    Connect(place.contact, *acts[k]);
     places[k] = &place;
   }
 }

@@ -74,7 +74,8 @@ class ContactTasks final : public Composite {
   Output<bool> touched;
   Output<int> link;                     ///< the innermost the residual allows; −1: not touched
   Output<JointTorque> external_torque;  ///< Σ J_cᵀ F̂
-  Output<Contacts> contacts;            ///< with F̂
+  Output<Contacts> contacts;            ///< with F̂, where it was found
+  Output<Contacts> acting;              ///< with F̂, at the points that the objectives are about
   Output<ContactObservability> observability;
   Output<ContactSight> sight;  ///< nothing is seen of known contacts
   Output<double> place_error;  ///< as PlaceError has it; 0 of known contacts [m]

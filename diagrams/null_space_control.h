@@ -37,7 +37,7 @@ using ToolMotionChoice = std::variant<CircleGenerator::Options, LimitCycleGenera
 /// How the velocity is tracked that a generator wants. NS publishes neither of the gains; these
 /// were chosen on NS-A, the circle without interaction, and serve everywhere: docs/experiments.md.
 struct TrackingGains {
-  double gain = 5;         ///< k_p
+  double gain = 4;         ///< k_p
   double rate_gain_s = 0;  ///< k_d [s]
   double cutoff_hz = 10;   ///< of the derivative that k_d takes
 

@@ -20,7 +20,7 @@ namespace {
 
 /// What random numbers are for: other numbers than those of sensors and of models with errors, so
 /// that all may have one seed.
-enum Use : std::uint64_t { kScatter = 400, kCamera = 500 };
+enum Use : std::uint64_t { kScatter = 400 };
 
 /// Assumed where an arm has no friction: a pace for ramps and steps [N·m], [N·m·s/rad].
 constexpr double kLeastFriction = 0.1;
@@ -76,12 +76,7 @@ ArmActuators AssumedActuators(const Scenario& scenario, const SimulatedArm::Opti
 /// What the torque loop of a controller has to drive: nothing if the arm takes torques.
 std::optional<LowLevelTorque::Options> MotorsOf(const RobotModel& assumed, const Scenario& scenario,
                                                 const SimulatedArm::Options& arm) {
-  if (std::get<StationOptions>(scenario.station).ideal || arm.firmware.compensated) {
-    Require(scenario.assumed_friction.empty(),
-            "assumed_friction is of the loop that makes currents of torques, and this arm takes "
-            "torques; leave it out, or give a robot such as gen3 and a station that is not ideal");
-    return {};
-  }
+  if (std::get<StationOptions>(scenario.station).ideal || arm.firmware.compensated) return {};
   return LowLevelTorqueOf(AssumedActuators(scenario, arm), assumed, PeriodOf(arm));
 }
 
@@ -390,8 +385,14 @@ ArmController ControllerOf(const Scenario& scenario, const SimulatedArm::Options
         control.position = arm.position;
         control.rotor_inertia = arm.actuators.reflected_inertia();
         control.period = PeriodOf(arm);
-        if constexpr (requires { control.low_level; })
+        if constexpr (requires { control.low_level; }) {
           control.low_level = MotorsOf(control.model, scenario, arm);
+          constexpr bool compensates = requires { control.coulomb; };
+          Require(control.low_level || compensates || scenario.assumed_friction.empty(),
+                  "assumed_friction is of the loop that makes currents of torques, and this arm "
+                  "takes torques; leave it out, or give a robot such as gen3 and a station that is "
+                  "not ideal");
+        }
         Complete(control, scenario, arm);
       },
       controller);
@@ -428,7 +429,7 @@ ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<Recor
   for (const EnvironmentPart& part : scenario.environment) std::visit(environment, part);
   DepthCamera* camera = nullptr;
   if (const SeenContacts* seen = SightOf(controller)) {
-    camera = &b.Add<DepthCamera>("camera", CameraOf(*seen, station.model, scenario.seed + kCamera));
+    camera = &b.Add<DepthCamera>("camera", CameraOf(*seen, station.model, scenario.seed));
     b.Connect(arm->position, camera->position);
     for (const Output<ContactForce>* touch : environment.contacts)
       b.Connect(*touch, camera->contacts);

@@ -18,6 +18,11 @@ constexpr double kHandAway = 0.03;   // [m] off the surface, where a hand would 
 
 std::size_t At(int i) { return static_cast<std::size_t>(i); }
 
+const RobotModel& CheckedModelOf(const ContactLocalization::Options& o) {
+  RequireInRange("", o);
+  return o.model;
+}
+
 }  // namespace
 
 ContactLocalization::ContactLocalization(const Options& o)
@@ -27,7 +32,7 @@ ContactLocalization::ContactLocalization(const Options& o)
       isolated{this, "isolated", {}, -1},
       contacts{this, "contacts"},
       sight{this, "sight"},
-      model_{o.model},
+      model_{CheckedModelOf(o)},
       view_{o.view},
       filter_{{.model = o.model,
                .view = o.view,
@@ -45,7 +50,6 @@ ContactLocalization::ContactLocalization(const Options& o)
       patience_{o.patience},
       known_{this, "known"},
       workspace_{this, "workspace", {filter_.MakeView(), points_.MakeWorkspace()}} {
-  RequireInRange("", o);
   Every(o.period)
       .Compute(known_)
       .From(workspace_, known_, clock, image, dynamics, touched, isolated)
@@ -80,22 +84,34 @@ ContactLocalization::Known ContactLocalization::Look(Workspace& w, const Known& 
 /// Places that belong to a contact move it, and are no longer there.
 void ContactLocalization::Follow(Known& known, Places& places, const SelfFilter::View& view,
                                  const RobotDynamics& d) const {
+  constexpr double kNowhere = std::numeric_limits<double>::infinity();
   std::array<bool, TouchingPoints::kMaxPlaces> taken{};
-  for (std::size_t i = 0; i < known.contacts.at.size(); ++i) {
-    ContactForce& contact = known.contacts.at[i];
+  std::array<Vector3d, kMaxContacts> x;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const ContactForce& contact = known.contacts.at[i];
     if (contact.link < 0) continue;
     const Pose X_CL = InCamera(contact.link, d);
-    const Vector3d x = X_CL.position + X_CL.rotation * contact.point;
-    const Place* nearest = nullptr;
-    for (int k = 0; k < places.size; ++k) {
-      const Place& place = places.at[At(k)];
-      const double away = (place.point - x).norm();
-      if (away > separation_) continue;
-      taken[At(k)] = true;
-      if (!nearest || away < (nearest->point - x).norm()) nearest = &place;
+    x[i] = X_CL.position + X_CL.rotation * contact.point;
+  }
+  // A place is of the contact it is nearest to, and moves that one only.
+  std::array<const Place*, kMaxContacts> nearest{};
+  for (int k = 0; k < places.size; ++k) {
+    const Place& place = places.at[At(k)];
+    double least = kNowhere;
+    std::size_t owner = 0;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      if (known.contacts.at[i].link < 0) continue;
+      const double away = (place.point - x[i]).norm();
+      if (away <= separation_ && away < least) least = away, owner = i;
     }
-    if (!nearest) continue;
-    MoveTo(contact, *nearest, view, d);
+    if (least == kNowhere) continue;
+    taken[At(k)] = true;
+    if (!nearest[owner] || least < (nearest[owner]->point - x[owner]).norm())
+      nearest[owner] = &place;
+  }
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    if (!nearest[i]) continue;
+    MoveTo(known.contacts.at[i], *nearest[i], view, d);
     known.sight.seen[i] = true;
   }
   Places left;

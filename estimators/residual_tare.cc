@@ -20,7 +20,7 @@ ResidualTare::ResidualTare(const Options& o)
 
 ResidualTare::Memory ResidualTare::Next(const Memory& last, double t, const JointTorque& r) const {
   Memory now = last;
-  if (t >= from_ && t < until_) {
+  if (t >= from_ && t < until_ && r.allFinite()) {
     now.sum += r;
     ++now.samples;
   }

@@ -42,7 +42,7 @@ void SelfFilter::TakeOut(const Solid& body, View& view) const {
   for (int row = range.top; row < range.bottom; ++row)
     for (int column = range.left; column < range.right; ++column) {
       float& z = view.depth[static_cast<std::size_t>(row * view_.width + column)];
-      if (z == 0) continue;
+      if (!(z > 0)) continue;
       const Passage in = Pierce(body, Vector3d::Zero(), view_.Ray(column, row));
       if (in.empty()) continue;
       const double e = tolerance(z);

@@ -52,7 +52,7 @@ void TouchingPoints::Measure(const SelfFilter::View& view, Workspace& w) const {
       for (int column = range.left; column < range.right; ++column) {
         const std::size_t pixel = At(row * view_.width + column);
         const float z = view.depth[pixel];
-        if (z == 0) continue;
+        if (!(z > 0)) continue;
         const float distance =
             static_cast<float>(NearestOn(view.parts[At(i)], z * view_.Ray(column, row)).distance);
         if (distance > o_.reach || distance >= w.distance[pixel]) continue;

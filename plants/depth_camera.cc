@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "pliant/plants/contacts.h"
 #include "pliant/plants/pushing_hand.h"
 #include "pliant/systems/elements.h"
 
@@ -12,14 +13,20 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kLeastForce = 0.01;  // [N] below it a force has no direction to speak of
-constexpr int kMaxSolids = 250;       // that a byte tells apart
+constexpr double kLeastForce = 0.01;      // [N] below it a force has no direction to speak of
+constexpr int kMaxSolids = 250;           // that a byte tells apart
+constexpr std::uint64_t kPictures = 500;  // other numbers than of other uses of the seed
 
 PixelRange Around(const PixelRange& a, const PixelRange& b) {
   if (a.left >= a.right || a.top >= a.bottom) return b;
   if (b.left >= b.right || b.top >= b.bottom) return a;
   return {std::min(a.left, b.left), std::min(a.top, b.top), std::max(a.right, b.right),
           std::max(a.bottom, b.bottom)};
+}
+
+DepthImage Blank(const DepthCamera::Options& o) {
+  RequireInRange("", o);
+  return DepthImage(o.view.width, o.view.height);
 }
 
 }  // namespace
@@ -29,7 +36,7 @@ DepthCamera::DepthCamera(const Options& o)
       contacts{this, "contacts"},
       exposure{
           this, "exposure", {}, Exposure{.q = JointPosition::Zero(o.model.joints()), .hand = {}}},
-      image{this, "image", {}, DepthImage(o.view.width, o.view.height)},
+      image{this, "image", {}, Blank(o)},
       model_{o.model},
       surface_{o.model},
       view_{o.view},
@@ -40,10 +47,9 @@ DepthCamera::DepthCamera(const Options& o)
       hand_{o.hand_radius},
       forearm_{o.forearm_radius},
       forearm_length_{o.forearm_length},
-      random_{o.seed},
+      random_{RandomStream(o.seed).Part(kPictures)},
       obstacles_{static_cast<int>(o.obstacles.size())},
       workspace_{this, "workspace", MakeWorkspace(o)} {
-  RequireInRange("", o);
   Require(o.farthest > o.nearest, "farthest must be > nearest = " + Text(o.nearest) + " m",
           o.farthest);
   Require(o.forearm_radius <= o.hand_radius,
@@ -77,7 +83,8 @@ DepthCamera::Exposure DepthCamera::Expose(double t, const JointPosition& q,
                                           const Joined<ContactForce>& forces) const {
   Exposure e{static_cast<double>(TickAt(t, h_)), t, q, 0, {}};
   for (int i = 0; i < forces.size() && e.hands < kMaxHands; ++i) {
-    if (forces[i].link < 0 || !(forces[i].force.norm() > kLeastForce)) continue;
+    const bool acts = forces[i].force.norm() > kLeastForce && forces[i].point.allFinite();
+    if (!IsLink(model_, forces[i].link) || !acts) continue;
     e.hand[static_cast<std::size_t>(e.hands)] = forces[i];
     e.hands += 1;
   }

@@ -1,5 +1,6 @@
 pliant_test(diagrams/compliance_control_test.cc LIBRARIES pliant::diagrams)
 pliant_test(diagrams/contact_control_test.cc LIBRARIES pliant::diagrams)
+pliant_test(diagrams/seen_contacts_test.cc LIBRARIES pliant::diagrams)
 pliant_test(diagrams/control_switching_test.cc LIBRARIES pliant::diagrams)
 pliant_test(diagrams/mode_schedule_test.cc LIBRARIES pliant::diagrams)
 pliant_test(diagrams/null_space_control_test.cc LIBRARIES pliant::diagrams)

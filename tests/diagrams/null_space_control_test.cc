@@ -23,7 +23,7 @@ station: !SimulatedArm {engine: recursive}
 controller: !NullSpaceCompliance
   tool: end_effector_link
   motion: !Circle
-    {radius: 0.1, angular_velocity: 0.5, radial_gain: 2, height_gain: 10}
+    {radius: 0.1, angular_velocity: 0.5, radial_gain: 4, height_gain: 13}
 integrator: {method: dormand_prince}
 duration_s: 8
 )";

@@ -157,30 +157,29 @@ TEST(ContactLocalization, FindsNoHandThatHovers) {
 
 TEST(ContactLocalization, FindsAContactWithinHalfAHand) {
   Rig rig(kBeside);
-  for (const char* link : {"link_3", "link_4", "link_5", "link_6"})
-    for (const Vector3d& from : {Vector3d(-0.3, 1.5, 0.6), Vector3d(-0.3, 1.2, 1.2)}) {
-      const ContactForce push = rig.PushAt(link, from, kStart);
-      rig.sim->Set(rig.touched->value, false);
-      rig.Look();
-      EXPECT_EQ(rig.found().count(), 0);
-      rig.sim->Set(rig.touched->value, true);
-      rig.sim->Set(rig.push[0]->value, push);
-      rig.Look();
-      ASSERT_EQ(rig.found().count(), 1) << link;
-      const ContactForce& found = rig.found().at[0];
-      EXPECT_LT((rig.InWorld(found, kStart) - rig.InWorld(push, kStart)).norm(), kHand)
-          << link << from.transpose();
-      EXPECT_EQ(found.force, Vector3d::Zero());
-      EXPECT_TRUE(rig.sight().seen[0]);
-      EXPECT_FALSE(rig.sight().unseen);
-      EXPECT_EQ(rig.sight().age, 0);
-      // On the surface.
-      const RobotSurface surface(rig.model);
-      std::vector<Solid> placed = surface.Solids();
-      surface.Place(rig.At(kStart), Pose(), 0, placed);
-      EXPECT_NEAR(surface.NearestOnLink(found.link, placed, rig.InWorld(found, kStart)).distance, 0,
-                  1e-12);
-    }
+  // Pushed from the camera's side, where no other link is near.
+  for (const char* link : {"link_3", "link_4", "link_5", "link_6"}) {
+    const ContactForce push = rig.PushAt(link, {-0.3, 1.5, 0.6}, kStart);
+    rig.sim->Set(rig.touched->value, false);
+    rig.Look();
+    EXPECT_EQ(rig.found().count(), 0);
+    rig.sim->Set(rig.touched->value, true);
+    rig.sim->Set(rig.push[0]->value, push);
+    rig.Look();
+    ASSERT_EQ(rig.found().count(), 1) << link;
+    const ContactForce& found = rig.found().at[0];
+    EXPECT_LT((rig.InWorld(found, kStart) - rig.InWorld(push, kStart)).norm(), kHand) << link;
+    EXPECT_EQ(found.force, Vector3d::Zero());
+    EXPECT_TRUE(rig.sight().seen[0]);
+    EXPECT_FALSE(rig.sight().unseen);
+    EXPECT_EQ(rig.sight().age, 0);
+    // On the surface.
+    const RobotSurface surface(rig.model);
+    std::vector<Solid> placed = surface.Solids();
+    surface.Place(rig.At(kStart), Pose(), 0, placed);
+    EXPECT_NEAR(surface.NearestOnLink(found.link, placed, rig.InWorld(found, kStart)).distance, 0,
+                1e-12);
+  }
 }
 
 TEST(ContactLocalization, FindsTwoHandsAndEachKeepsItsPlace) {
@@ -254,7 +253,7 @@ TEST(ContactLocalization, KeepsAContactThatABodyHides) {
   now.force = R * push.force;
   rig.sim->Set(rig.push[0]->value, now);
   rig.Look();
-  if (rig.sight().seen[0]) GTEST_SKIP() << "the hand shows beside the arm";
+  EXPECT_FALSE(rig.sight().seen[0]);
   rig.Look(10);
   ASSERT_EQ(rig.found().count(), 1);
   EXPECT_EQ(rig.found().at[0].link, known.link);

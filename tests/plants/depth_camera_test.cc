@@ -192,7 +192,10 @@ TEST(DepthCamera, HasAnImageThatIsRestoredWithItsExposure) {
   t.Tick();
   const Context snapshot = t.simulator().Snapshot();
   const DepthImage before = t.Get(t->image);
-  t.Set(push, {.link = 5, .point = {0.06, 0, 0.1}, .force = {-20, 0, 0}, .moment = {}});
+  t.Set(push, {.link = 5,
+               .point = {0.06, 0, 0.1},
+               .force = {-20, 0, 0},
+               .moment = Eigen::Vector3d::Zero()});
   t.Set(t->position, JointPosition::Constant(7, 0.4));
   t.Tick();
   EXPECT_FALSE(t.Get(t->image) == before);
@@ -208,7 +211,10 @@ TEST(DepthCamera, MakesPicturesWithoutHeap) {
   t.Get(t->image);
   const long before = Allocations();
   for (int k = 0; k < 5; ++k) {
-    t.Set(push, {.link = 5, .point = {0.06, 0, 0.1}, .force = {-20, 0, 0}, .moment = {}});
+    t.Set(push, {.link = 5,
+                 .point = {0.06, 0, 0.1},
+                 .force = {-20, 0, 0},
+                 .moment = Eigen::Vector3d::Zero()});
     t.Tick();
     t.Get(t->image);
   }
@@ -247,7 +253,7 @@ TEST(DepthCamera, SeesAHandForAForceAndNoneWithout) {
   ContactForce force{.link = o.model.link_index("link_5"),
                      .point = {0.0623, 0, 0.0255},
                      .force = {0.001, 0, 0},
-                     .moment = {}};
+                     .moment = Eigen::Vector3d::Zero()};
   t.Set(push, force);  // too small to have a direction
   t.Tick();
   EXPECT_EQ(Between(none, t.Get(t->image)).pixels, 0);
