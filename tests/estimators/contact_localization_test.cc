@@ -428,9 +428,9 @@ TEST(ContactLocalization, RefusesOptionsOutOfTheirRange) {
   EXPECT_THAT(refused([](auto& o) { o.contacts = 4; }),
               HasSubstr("contacts must be from 1 to 3, got 4"));
   EXPECT_THAT(refused([](auto& o) { o.view.width = -1; }),
-              HasSubstr("view.width must be from 1 to 4096, got -1"));
+              HasSubstr("view.width must be from 1 to 4096 px, got -1"));
   EXPECT_THAT(refused([](auto& o) { o.view.height = 0; }),
-              HasSubstr("view.height must be from 1 to 4096, got 0"));
+              HasSubstr("view.height must be from 1 to 4096 px, got 0"));
   EXPECT_THAT(refused([](auto& o) { o.margin = -1; }), HasSubstr("margin must be >= 0 m, got -1"));
 }
 

@@ -311,7 +311,7 @@ TEST(DepthCamera, RefusesWhatItCannotSee) {
   EXPECT_THAT(refused([](auto& o) { o.view.width = 0; }),
               HasSubstr("view.width must be from 1 to 4096"));
   EXPECT_THAT(refused([](auto& o) { o.view.width = -1; }),
-              HasSubstr("view.width must be from 1 to 4096, got -1"));
+              HasSubstr("view.width must be from 1 to 4096 px, got -1"));
   EXPECT_THAT(refused([](auto& o) { o.noise.growth = -1; }),
               HasSubstr("noise.growth must be >= 0"));
   EXPECT_THAT(refused([](auto& o) { o.farthest = 0.4; }),

@@ -76,7 +76,7 @@ TEST(LookingAt, StraightDownHasXUpwards) {
     const Eigen::Matrix3d& R = view.pose.rotation;
     EXPECT_LT((R * R.transpose() - Eigen::Matrix3d::Identity()).norm(), 1e-13);
     EXPECT_NEAR(R.determinant(), 1, 1e-13);
-    const Eigen::Vector2d above = view.Project(view.pose.inverse() * Vector3d(0.01, 0, 0));
+    const Eigen::Vector2d above = view.Project(R.transpose() * Vector3d(0.01, 0, -height));
     EXPECT_LT(above.y(), 239.5);
     EXPECT_NEAR(above.x(), 319.5, 1e-9);
   }
