@@ -22,17 +22,37 @@ class ForceAtPlace final : public Block {
         place_{static_cast<std::size_t>(o.place)} {
     Compute(force).From(contacts).As(&ForceAtPlace::Of);
     Compute(error).From(contacts, true_contacts, dynamics).As(&ForceAtPlace::Error);
+    Compute(observed)
+        .From(contacts, true_contacts, observability, dynamics)
+        .As(&ForceAtPlace::Observed);
   }
 
   Input<Contacts> contacts{this, "contacts"}, true_contacts{this, "true_contacts"};
+  Input<ContactObservability> observability{this, "observability"};
   Input<RobotDynamics> dynamics;
-  Output<Force> force{this, "force"}, error{this, "error"};
+  Output<Force> force{this, "force"}, error{this, "error"}, observed{this, "observed"};
 
  private:
   Force Of(const Contacts& all) const { return all.at[place_].force; }
   Force Error(const Contacts& all, const Contacts& truth, const RobotDynamics& d) const {
-    const ContactForce& here = all.at[place_];
-    if (!IsLink(model_, here.link)) return Force(-truth.at[place_].force);
+    return ErrorAt(place_, all, truth, d);
+  }
+  Force Observed(const Contacts& all, const Contacts& truth, const ContactObservability& seen,
+                 const RobotDynamics& d) const {
+    ContactObservability::Vector error;
+    for (std::size_t i = 0; i < all.at.size(); ++i)
+      error.segment<3>(static_cast<Eigen::Index>(3 * i)) = ErrorAt(i, all, truth, d);
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (int j = 0; j < seen.rank; ++j) {
+      const ContactObservability::Vector u = seen.directions.col(j);
+      sum += u.dot(error) * u.segment<3>(static_cast<Eigen::Index>(3 * place_));
+    }
+    return Force(sum);
+  }
+  Force ErrorAt(std::size_t place, const Contacts& all, const Contacts& truth,
+                const RobotDynamics& d) const {
+    const ContactForce& here = all.at[place];
+    if (!IsLink(model_, here.link)) return Force(-truth.at[place].force);
     const Eigen::Vector3d x = MotionOf(model_, d, here.link, here.point).position;
     const ContactForce* nearest = nullptr;
     double least = std::numeric_limits<double>::infinity();
@@ -55,12 +75,14 @@ class ForceAtPlace final : public Block {
 ContactPlace::ContactPlace(const Options& o)
     : contacts{this, "contacts"},
       true_contacts{this, "true_contacts"},
+      observability{this, "observability"},
       dynamics{this, "dynamics", o.model.joints()},
       contact{this, "contact"},
       error{this, "error"},
       velocity{this, "velocity"},
       force{this, "force"},
       force_error{this, "force_error"},
+      observed_error{this, "observed_error"},
       wanted{this, "wanted"},
       status{this, "status"},
       objective{this, "objective", o.model.joints()} {
@@ -77,7 +99,9 @@ ContactPlace::ContactPlace(const Options& o)
   Connect(anchor.error, error);
   Connect(anchor.velocity, velocity);
   Connect(at.force, force);
+  Connect(observability, at.observability);
   Connect(at.error, force_error);
+  Connect(at.observed, observed_error);
 
   const auto follow = [&](auto& law) {
     Connect(anchor.contact, law.contact);

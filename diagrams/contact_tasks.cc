@@ -119,6 +119,7 @@ ContactTasks::ContactTasks(const Options& o)
                                                                        .weight = o.weight});
     Connect(estimate.contacts, place.contacts);
     Connect(truth.contacts, place.true_contacts);
+    Connect(estimate.observability, place.observability);
     Connect(dynamics, place.dynamics);
     const auto k = static_cast<std::size_t>(i);
     Connect(place.objective, objectives[k]);

@@ -155,8 +155,9 @@ void Append(std::vector<const internal::Value*>& values, const ContactTasks& tas
                 {&tasks.residual, &tasks.touched, &tasks.link, &tasks.external_torque,
                  &tasks.contacts, &tasks.observability, &tasks.sight, &tasks.place_error});
   for (const ContactPlace* place : tasks.places)
-    values.insert(values.end(), {&place->error, &place->velocity, &place->force,
-                                 &place->force_error, &place->wanted, &place->status});
+    values.insert(values.end(),
+                  {&place->error, &place->velocity, &place->force, &place->force_error,
+                   &place->observed_error, &place->wanted, &place->status});
 }
 
 /// What of a controller is worth a place in the log.

@@ -1,6 +1,7 @@
 #include "pliant/estimators/self_filter.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace pliant {
 
@@ -33,7 +34,8 @@ double SelfFilter::tolerance(double z) const {
 void SelfFilter::Apply(const DepthImage& image, const RobotDynamics& d, View& view) const {
   surface_.Place(d, view_.pose, 0, view.parts);
   surface_.Place(d, view_.pose, margin_, view.grown);
-  std::ranges::copy(image.depth, view.depth.begin());
+  std::ranges::transform(image.depth, view.depth.begin(),
+                         [](float z) { return std::isfinite(z) && z > 0 ? z : 0.0f; });
   for (const Solid& body : view.grown) TakeOut(body, view);
 }
 
@@ -42,7 +44,7 @@ void SelfFilter::TakeOut(const Solid& body, View& view) const {
   for (int row = range.top; row < range.bottom; ++row)
     for (int column = range.left; column < range.right; ++column) {
       float& z = view.depth[static_cast<std::size_t>(row * view_.width + column)];
-      if (!(z > 0)) continue;
+      if (z == 0) continue;
       const Passage in = Pierce(body, Vector3d::Zero(), view_.Ray(column, row));
       if (in.empty()) continue;
       const double e = tolerance(z);

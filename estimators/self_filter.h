@@ -17,8 +17,9 @@ namespace pliant {
 ///
 /// The bodies are all grown by `margin`, for errors of the joint angles, of the shapes and of the
 /// camera's pose. Of the noise one reading in 740 comes nearer than 3 σ; those are left, each by
-/// itself. What is behind a body is not seen, so nothing else is lost but what is within ε of it
-/// along the line of sight, and beside it within the margin.
+/// itself. A reading that is no positive finite number is none. What is behind a body is not seen,
+/// so nothing else is lost but what is within ε of it along the line of sight, and beside it within
+/// the margin.
 class SelfFilter {
  public:
   struct Options {

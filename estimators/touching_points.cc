@@ -34,7 +34,7 @@ TouchingPoints::Workspace TouchingPoints::MakeWorkspace() const {
   const std::size_t pixels = At(view_.pixels());
   return {
       std::vector<float>(pixels), std::vector<unsigned char>(pixels),    std::vector<int>(pixels),
-      std::vector<float>(pixels), std::vector<int>(At(surface_.size())), Solid()};
+      std::vector<float>(pixels), std::vector<int>(At(surface_.size())), surface_.Solids()};
 }
 
 Vector3d TouchingPoints::PointOf(const SelfFilter::View& view, int pixel) const {
@@ -46,13 +46,13 @@ void TouchingPoints::Measure(const SelfFilter::View& view, Workspace& w) const {
   std::ranges::fill(w.distance, kFar);
   for (int i = 0; i < surface_.size(); ++i) {
     if (surface_.part(i).body < 0) continue;
-    view.parts[At(i)].Place(Pose(), o_.reach, w.around);
-    const PixelRange range = PixelsOf(w.around, view_);
+    view.parts[At(i)].Place(Pose(), o_.reach, w.around[At(i)]);
+    const PixelRange range = PixelsOf(w.around[At(i)], view_);
     for (int row = range.top; row < range.bottom; ++row)
       for (int column = range.left; column < range.right; ++column) {
         const std::size_t pixel = At(row * view_.width + column);
         const float z = view.depth[pixel];
-        if (!(z > 0)) continue;
+        if (z == 0) continue;
         const float distance =
             static_cast<float>(NearestOn(view.parts[At(i)], z * view_.Ray(column, row)).distance);
         if (distance > o_.reach || distance >= w.distance[pixel]) continue;

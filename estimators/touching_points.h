@@ -50,8 +50,8 @@ class TouchingPoints {
     std::vector<unsigned char> part;  // nearest to it
     std::vector<int> queue;           // pixels of bodies, one body after the other
     std::vector<float> sorted;
-    std::vector<int> votes;  // of parts
-    Solid around;            // a part and what is within reach of it
+    std::vector<int> votes;     // of parts
+    std::vector<Solid> around;  // parts and what is within reach of them
   };
 
   TouchingPoints(const SelfFilter& filter, const Pinhole& view, const DepthNoise& noise,

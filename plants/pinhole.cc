@@ -6,13 +6,24 @@
 
 namespace pliant {
 
+namespace {
+
+constexpr double kNoWay = 1e-6;  // [m], and of a sine: no direction to speak of
+
+}  // namespace
+
 Pose LookingAt(const Eigen::Vector3d& from, const Eigen::Vector3d& to, const Eigen::Vector3d& up) {
+  Require(from.allFinite(), "the position of a camera must be three finite numbers",
+          from.transpose());
+  Require(to.allFinite(), "what a camera looks at must be three finite numbers", to.transpose());
+  Require((to - from).norm() > kNoWay, "a camera looks at a point away from it", to.transpose());
   const Eigen::Vector3d forward = (to - from).normalized();
-  const Eigen::Vector3d right = forward.cross(up.normalized());
-  Require((to - from).norm() > 1e-6, "a camera looks at a point away from it", to.transpose());
-  Require(right.norm() > 1e-6,
-          "a camera does not look straight along `up`; name another direction for it",
-          up.transpose());
+  Eigen::Vector3d right = forward.cross(up.normalized());
+  if (!(right.norm() > kNoWay)) {
+    int across = 0;
+    forward.cwiseAbs().minCoeff(&across);
+    right = forward.cross(Eigen::Vector3d::Unit(across));
+  }
   Pose X;
   X.position = from;
   X.rotation.col(0) = right.normalized();

@@ -40,7 +40,8 @@ struct Pinhole {
 };
 
 /// X_WC of a camera at `from` that has `to` in the middle of its picture and `up` upwards in it.
-/// Throws where that says nothing: `to` at `from`, or straight above or below it.
+/// Where it looks along `up`, that says nothing, and the axis of the world most across its line of
+/// sight is upwards instead: x of a camera that looks straight down. Throws if `to` is at `from`.
 Pose LookingAt(const Eigen::Vector3d& from, const Eigen::Vector3d& to,
                const Eigen::Vector3d& up = Eigen::Vector3d::UnitZ());
 

@@ -15,6 +15,9 @@ namespace pliant {
 ///   s = x + t F̂ with the least t,   ball about s + r n,   forearm from there along −F̂
 ///
 /// n is the normal of the surface at s. Where the line passes the link by, s = x and n = −F̂.
+///
+/// A hand only pushes. One that pulls, with a force outwards at its point, is drawn where the same
+/// force pushes: on the other side of the link.
 struct PushingHand {
   Eigen::Vector3d touch;   ///< s
   Eigen::Vector3d center;  ///< of the ball

@@ -4,6 +4,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
+#include <limits>
 #include <numbers>
 #include <vector>
 
@@ -214,6 +215,42 @@ TEST(ContactLaw, HoldsThePostureOfTheStartAndLaterThatInWhichTheLastObjectiveEnd
   JointPosition turned = left;
   turned(0) += 2 * std::numbers::pi;
   EXPECT_LT((rig.Accelerate(At(m, turned, v)) + 20 * v).norm(), 1e-9);
+}
+
+TEST(ContactLaw, KeepsItsPostureWhereTheArmSaysNoneWhenTheLastObjectiveEnds) {
+  const RobotModel m = Lwr();
+  Rig rig(m, 1);
+  const JointVelocity rest = JointVelocity::Zero(m.joints());
+  const JointPosition q = 0.3 * JointPosition(PerJoint::Ones(7));
+  rig.Want(0, PointJacobian(m, At(m, q, rest), 5), Vector3d(0, 0, 0));
+  rig.Accelerate(At(m, q, rest));
+  rig.t.Set(*rig.joined[0], Objective::Zero(3, m.size()));
+  RobotDynamics none = At(m, q, rest);
+  none.q.setConstant(std::numeric_limits<double>::quiet_NaN());
+  rig.Accelerate(none);
+  EXPECT_EQ(rig.report().outcome, Outcome::Fallback);
+  EXPECT_TRUE(rig.t.Get(rig.t->torque).allFinite());
+  EXPECT_LT((rig.Accelerate(At(m, q, rest)) + 100 * q).norm(), 1e-12) << "that of the start";
+  EXPECT_EQ(rig.report().outcome, Outcome::Posture);
+}
+
+TEST(ContactLaw, DoesNotCountAnObjectiveThatNoJointMoves) {
+  const RobotModel m = Lwr();
+  Rig rig(m, 2);
+  const JointVelocity rest = JointVelocity::Zero(m.joints());
+  const JointPosition q = 0.3 * JointPosition(PerJoint::Ones(7));
+  const RobotDynamics d = At(m, q, rest);
+  rig.Want(0, MatrixXd::Zero(3, 7), Vector3d(1, 2, 3));
+  rig.t.Set(*rig.joined[1], Objective::Zero(3, m.size()));
+  EXPECT_LT((rig.Accelerate(d) + 100 * q).norm(), 1e-12) << "the posture is held";
+  EXPECT_EQ(rig.report().outcome, Outcome::Posture);
+  EXPECT_EQ(rig.report().rows, 0);
+  const MatrixXd A = PointJacobian(m, d, 5);
+  rig.Want(1, A, Vector3d(1, 2, 3));
+  const VectorXd qdd = rig.Accelerate(d);
+  EXPECT_EQ(rig.report().outcome, Outcome::Contact);
+  EXPECT_EQ(rig.report().rows, 3);
+  EXPECT_LT((A * qdd - Vector3d(1, 2, 3)).norm(), 1e-8);
 }
 
 TEST(ContactLaw, CutsTheTorqueAndSaysOfWhichJoints) {

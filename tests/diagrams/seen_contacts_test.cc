@@ -19,14 +19,23 @@ namespace {
 
 constexpr double kHand = 0.04;  // [m] radius of the hand
 
-std::string ScenarioText(const std::string& push, const std::string& camera = "") {
+enum class By { ContactControl, Compliance };
+
+/// An arm that is pushed, with contacts seen by a camera.
+std::string ScenarioText(const std::string& push, const std::string& camera = "",
+                         By by = By::ContactControl) {
+  const std::string threshold = "threshold: [3, 3, 1.2, 1.2, 0.6, 0.6, 0.6]";
+  const std::string localization = "localization: !DepthCamera {contacts: 1" + camera + "}";
+  const std::string controller =
+      by == By::ContactControl
+          ? "!ContactControl\n  tool: end_effector_link\n  " + threshold + "\n  " + localization
+          : "!Compliance\n  tool: end_effector_link\n  pose: {weight: 0}\n"
+            "  posture: {damping: 20}\n  contacts:\n    " +
+                threshold + "\n    " + localization;
   return R"(robot: lwr
 station: !SimulatedArm {engine: recursive}
-controller: !ContactControl
-  tool: end_effector_link
-  threshold: [3, 3, 1.2, 1.2, 0.6, 0.6, 0.6]
-  localization: !DepthCamera {contacts: 1)" +
-         camera + R"(}
+controller: )" +
+         controller + R"(
 environment:
   - !Push {link: )" +
          push + R"(, start_s: 2, duration_s: 2}
@@ -48,7 +57,7 @@ struct Scene {
         scene{scenario},
         diagram{scene.builder.Build()},
         sim{diagram, {.integrator = scenario.integrator}},
-        tasks{*scene.contact->contact_tasks} {}
+        tasks{scene.contact ? *scene.contact->contact_tasks : *scene.control->contact_tasks} {}
 
   Scenario scenario;
   ScenarioDiagram scene;
@@ -57,8 +66,10 @@ struct Scene {
   const ContactTasks& tasks;
 };
 
-TEST(SeenContacts, AreFoundAsLongAsTheyLastAndTheirForceWithThem) {
-  Scene run(ScenarioText("link_6, force: [0, -20 N, 0]"));
+class SeenContacts : public testing::TestWithParam<By> {};
+
+TEST_P(SeenContacts, AreFoundAsLongAsTheyLastAndTheirForceWithThem) {
+  Scene run(ScenarioText("link_6, force: [0, -20 N, 0]", "", GetParam()));
   run.sim.AdvanceTo(1.9);
   EXPECT_EQ(run.sim.Get(run.tasks.contacts).count(), 0);
   for (double t = 3; t < 3.7; t += 0.1) {
@@ -74,7 +85,26 @@ TEST(SeenContacts, AreFoundAsLongAsTheyLastAndTheirForceWithThem) {
   EXPECT_FALSE(run.sim.Get(run.tasks.sight).unseen);
 }
 
-TEST(SeenContacts, OfTwoCamerasOneSeesWhatTheOtherDoesNot) {
+TEST_P(SeenContacts, RunWithoutHeapAndTheSameAgainAfterARestore) {
+  Scene run(ScenarioText("link_6, force: [0, -20 N, 0]", "", GetParam()));
+  run.sim.AdvanceTo(3);
+  EXPECT_EQ(run.sim.Get(run.tasks.contacts).count(), 1);
+  const Context snapshot = run.sim.Snapshot();
+  const long before = Allocations();
+  run.sim.AdvanceTo(3.2);
+  EXPECT_EQ(Allocations(), before);
+  const Context end = run.sim.Snapshot();
+  run.sim.Restore(snapshot);
+  run.sim.AdvanceTo(3.2);
+  EXPECT_TRUE(run.sim.Snapshot() == end);
+}
+
+INSTANTIATE_TEST_SUITE_P(By, SeenContacts, testing::Values(By::ContactControl, By::Compliance),
+                         [](const auto& by) {
+                           return by.param == By::ContactControl ? "ContactControl" : "Compliance";
+                         });
+
+TEST(SeenByCamera, OfTwoCamerasOneSeesWhatTheOtherDoesNot) {
   // On link 3, pushed away from one camera and towards the other.
   const std::string push = "link_3, point: [0, 0, 0.1], force: [0, -25 N, 0]";
   Scene beside(ScenarioText(push, ", position: [0, 2, 0.6], target: [0, 0, 0.6]"));
@@ -88,15 +118,13 @@ TEST(SeenContacts, OfTwoCamerasOneSeesWhatTheOtherDoesNot) {
   EXPECT_TRUE(hidden.sim.Get(hidden.tasks.sight).unseen);
 }
 
-TEST(SeenContacts, RunWithoutHeapAndCanBeSavedAndRestored) {
+TEST(SeenByCamera, CanBeSavedAndRestoredWithoutThePicture) {
   const TemporaryDirectory folder;
   const auto file = folder.path() / "snapshot";
   Scene run(ScenarioText("link_6, force: [0, -20 N, 0]"));
   run.sim.AdvanceTo(3);
   run.sim.Snapshot().Save(file);  // the picture itself has no place in it
-  const long before = Allocations();
   run.sim.AdvanceTo(3.2);
-  EXPECT_EQ(Allocations(), before);
   const Contacts found = run.sim.Get(run.tasks.contacts);
   Context restored = run.sim.Snapshot();
   restored.Load(file);
@@ -106,7 +134,7 @@ TEST(SeenContacts, RunWithoutHeapAndCanBeSavedAndRestored) {
   EXPECT_EQ(run.sim.Get(run.tasks.contacts).at[0].force, found.at[0].force);
 }
 
-TEST(SeenContacts, AreRefusedWithACameraThatLooksAtItself) {
+TEST(SeenByCamera, IsRefusedWhereTheCameraLooksAtItself) {
   EXPECT_THAT(ErrorOf([] {
                 Scene run(ScenarioText("link_6, force: [0, -20 N, 0]",
                                        ", position: [1, 0, 1], target: [1, 0, 1]"));

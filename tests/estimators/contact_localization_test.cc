@@ -3,9 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <random>
+#include <string>
+#include <vector>
 
 #include "pliant/plants/depth_camera.h"
 #include "pliant/plants/model_dynamics.h"
@@ -205,6 +209,64 @@ TEST(ContactLocalization, FindsTwoHandsAndEachKeepsItsPlace) {
   EXPECT_TRUE(rig.sight().seen[1]);
 }
 
+TEST(ContactLocalization, TellsHandsApartThatConvergeWhenOneOfThemLetsGo) {
+  // Two hands on the upper arm, from 20 cm apart to 10 cm, which is less than `separation`.
+  for (const std::size_t stays : {0U, 1U}) {
+    Rig rig(kBeside);
+    const auto push = [&](double height) {
+      return rig.PushAt("link_3", {0.05, 1.5, height}, kStart);
+    };
+    std::array<ContactForce, 2> hand;
+    for (int k = 0; k <= 40; ++k) {
+      const double apart = 0.2 - 0.1 * std::min(k, 20) / 20;
+      hand = {push(0.50 - apart / 2), push(0.50 + apart / 2)};
+      for (std::size_t i : {0U, 1U}) rig.sim->Set(rig.push[i]->value, hand[i]);
+      rig.Look();
+      ASSERT_EQ(rig.found().count(), 2) << apart;
+    }
+    const std::size_t first =
+        (rig.InWorld(rig.found().at[0], kStart) - rig.InWorld(hand[0], kStart)).norm() < kHand ? 0
+                                                                                               : 1;
+    const std::array<std::size_t, 2> slot{first, 1 - first};
+    for (std::size_t i : {0U, 1U}) {
+      const Vector3d found = rig.InWorld(rig.found().at[slot[i]], kStart);
+      EXPECT_LT((found - rig.InWorld(hand[i], kStart)).norm(), kHand) << i;
+      EXPECT_TRUE(rig.sight().seen[slot[i]]) << i;
+    }
+    rig.sim->Set(rig.push[1 - stays]->value, ContactForce());
+    rig.Look(3);
+    EXPECT_EQ(rig.found().at[slot[1 - stays]].link, -1);
+    const Vector3d kept = rig.InWorld(rig.found().at[slot[stays]], kStart);
+    EXPECT_LT((kept - rig.InWorld(hand[stays], kStart)).norm(), kHand);
+    EXPECT_TRUE(rig.sight().seen[slot[stays]]);
+  }
+}
+
+TEST(ContactLocalization, TakesReadingsThatAreNoNumbersForNone) {
+  // The same pictures, with 0, NaN, ±∞ or −1 m in every third pixel.
+  const float inf = std::numeric_limits<float>::infinity();
+  const std::vector<float> none{0, std::numeric_limits<float>::quiet_NaN(), inf, -inf, -1};
+  ContactLocalization::Options o{.model = Lwr()};
+  Rig rig(kBeside);
+  o.view.pose = kBeside;
+  rig.sim->Set(rig.push[0]->value, rig.PushAt("link_5", {-0.3, 1.5, 0.6}, kStart));
+  rig.Look();
+  DepthImage image = rig.sim->Get(rig.camera->image);
+  const RobotDynamics d = rig.At(kStart);
+  std::vector<Contacts> found;
+  for (const float reading : none) {
+    BlockTester<ContactLocalization> t(o);
+    for (std::size_t i = 0; i < image.depth.size(); i += 3) image.depth[i] = reading;
+    image.time = t.time();
+    t.Set(t->image, image);
+    t.Set(t->dynamics, d);
+    t.Tick();
+    found.push_back(t.Get(t->contacts));
+    EXPECT_EQ(found.back().count(), 1) << reading;
+    EXPECT_EQ(found.back().at[0].point, found.front().at[0].point) << reading;
+  }
+}
+
 TEST(ContactLocalization, FindsNoMoreContactsThanItIsToldOf) {
   ContactLocalization::Options o{.model = Lwr()};
   o.contacts = 1;
@@ -332,10 +394,13 @@ TEST(ContactLocalization, StaysFiniteWhateverItIsGiven) {
   BlockTester<ContactLocalization> t(o);
   std::mt19937 random(3);
   std::uniform_real_distribution<double> number(-10, 10);
+  const float inf = std::numeric_limits<float>::infinity();
+  const std::array<float, 3> no_numbers{std::numeric_limits<float>::quiet_NaN(), inf, -inf};
   DepthImage image(640, 480);
   RobotDynamics d(o.model);
   for (int k = 0; k < 20; ++k) {
     for (float& z : image.depth) z = static_cast<float>(number(random));
+    for (std::size_t i = 0; i < image.depth.size(); i += 7) image.depth[i] = no_numbers[i % 3];
     for (BodyMotion& body : d.body) {
       body.rotation = Eigen::Matrix3d::NullaryExpr([&] { return number(random); });
       body.position = Vector3d::NullaryExpr([&] { return number(random); });
@@ -362,6 +427,10 @@ TEST(ContactLocalization, RefusesOptionsOutOfTheirRange) {
               HasSubstr("smoothing must be from 0.001 to 1, got 2"));
   EXPECT_THAT(refused([](auto& o) { o.contacts = 4; }),
               HasSubstr("contacts must be from 1 to 3, got 4"));
+  EXPECT_THAT(refused([](auto& o) { o.view.width = -1; }),
+              HasSubstr("view.width must be from 1 to 4096 px, got -1"));
+  EXPECT_THAT(refused([](auto& o) { o.view.height = 0; }),
+              HasSubstr("view.height must be from 1 to 4096 px, got 0"));
   EXPECT_THAT(refused([](auto& o) { o.margin = -1; }), HasSubstr("margin must be >= 0 m, got -1"));
 }
 

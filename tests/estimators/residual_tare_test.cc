@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "pliant/systems/block_tester.h"
 #include "pliant/tests/support/block_laws.h"
 #include "pliant/tests/support/error_of.h"
@@ -32,6 +34,19 @@ TEST(ResidualTare, LeavesTheResidualAsItIsWhereThereIsNoWindow) {
   t.Tick();
   EXPECT_TRUE(t.Get(t->ready));
   EXPECT_EQ(t.Get(t->tared), (JointTorque{3.0, -1.0}));
+}
+
+TEST(ResidualTare, TakesTheMeanOfWhatAreNumbers) {
+  BlockTester<ResidualTare> t(Options(0, 0.1));
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (int k = 0; k < 10; ++k) {  // 0, 2, 4, 6 and 8, whose mean is 4
+    t.Set(t->residual, {1.0 * k, k % 2 == 0 ? 1.0 : nan});
+    t.Tick();
+  }
+  t.Set(t->residual, {5.0, 1.0});
+  t.Tick();
+  EXPECT_TRUE(t.Get(t->ready));
+  EXPECT_EQ(t.Get(t->tared), (JointTorque{1.0, 0.0}));
 }
 
 TEST(ResidualTare, RefusesAWindowWithoutASample) {

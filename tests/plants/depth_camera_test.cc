@@ -257,11 +257,13 @@ TEST(DepthCamera, SeesAHandForAForceAndNoneWithout) {
   t.Set(push, force);  // too small to have a direction
   t.Tick();
   EXPECT_EQ(Between(none, t.Get(t->image)).pixels, 0);
-  force.link = -1;
   force.force = {-20, 0, 0};
-  t.Set(push, force);
-  t.Tick();
-  EXPECT_EQ(Between(none, t.Get(t->image)).pixels, 0);
+  for (const int link : {-1, static_cast<int>(o.model.links().size()), 1000}) {
+    force.link = link;
+    t.Set(push, force);
+    t.Tick();
+    EXPECT_EQ(Between(none, t.Get(t->image)).pixels, 0) << link;
+  }
   force.link = o.model.link_index("link_5");
   t.Set(push, force);
   t.Tick();
@@ -308,6 +310,8 @@ TEST(DepthCamera, RefusesWhatItCannotSee) {
   EXPECT_THAT(refused([](auto& o) { o.view.focal = 0; }), HasSubstr("view.focal must be > 0"));
   EXPECT_THAT(refused([](auto& o) { o.view.width = 0; }),
               HasSubstr("view.width must be from 1 to 4096"));
+  EXPECT_THAT(refused([](auto& o) { o.view.width = -1; }),
+              HasSubstr("view.width must be from 1 to 4096 px, got -1"));
   EXPECT_THAT(refused([](auto& o) { o.noise.growth = -1; }),
               HasSubstr("noise.growth must be >= 0"));
   EXPECT_THAT(refused([](auto& o) { o.farthest = 0.4; }),

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
+#include <numbers>
 
 #include "pliant/tests/plants/collision_scene.h"
 #include "pliant/tests/support/error_of.h"
@@ -58,9 +60,28 @@ TEST(LookingAt, RefusesADirectionThatSaysNothing) {
             }),
             "a camera looks at a point away from it, got 1 2 3");
   EXPECT_EQ(ErrorOf([] {
-              LookingAt({0, 0, 2}, {0, 0, 0});
+              LookingAt({std::numeric_limits<double>::quiet_NaN(), 2, 3}, {0, 0, 0});
             }),
-            "a camera does not look straight along `up`; name another direction for it, got 0 0 1");
+            "the position of a camera must be three finite numbers, got nan 2 3");
+  EXPECT_EQ(ErrorOf([] {
+              LookingAt({0, 0, 0}, {0, std::numeric_limits<double>::infinity(), 0});
+            }),
+            "what a camera looks at must be three finite numbers, got 0 inf 0");
+}
+
+TEST(LookingAt, StraightDownHasXUpwards) {
+  for (const double height : {2.0, -2.0}) {
+    Pinhole view;
+    view.pose = LookingAt({0, 0, height}, {0, 0, 0});
+    const Eigen::Matrix3d& R = view.pose.rotation;
+    EXPECT_LT((R * R.transpose() - Eigen::Matrix3d::Identity()).norm(), 1e-13);
+    EXPECT_NEAR(R.determinant(), 1, 1e-13);
+    const Eigen::Vector2d above = view.Project(R.transpose() * Vector3d(0.01, 0, -height));
+    EXPECT_LT(above.y(), 239.5);
+    EXPECT_NEAR(above.x(), 319.5, 1e-9);
+  }
+  // Along another `up`, y: x is most across it.
+  EXPECT_NEAR(LookingAt({0, 0, 0}, {0, 1, 0}, {0, 2, 0}).rotation.col(1).x(), -1, 1e-13);
 }
 
 }  // namespace
