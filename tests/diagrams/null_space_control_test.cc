@@ -43,6 +43,9 @@ std::string ErrorOfSetting(const Overrides& set) {
 /// Seen from a time on.
 struct Course {
   double off_path = 0, off_turn = 0, joints = 0;
+  double missing = 0;         ///< of a wrench of the tool, by the torque that the motors leave out
+  double least_singular = 1;  ///< of the tool's Jacobian
+  bool fell = false;          ///< back, at any time
 };
 
 Course Run(const Overrides& set, double from_s = 5) {
@@ -53,11 +56,15 @@ Course Run(const Overrides& set, double from_s = 5) {
   Course course;
   while (sim.time() < scenario.duration_s) {
     sim.AdvanceThroughTick();
-    if (sim.time() < from_s) continue;
     const NullSpaceControl& control = *scene.null_space;
+    course.fell = course.fell || sim.Get(control.fallback);
+    if (sim.time() < from_s) continue;
+    const double singular = sim.Get(control.least_singular);
     course.off_path = std::max(course.off_path, sim.Get(control.path_error).norm());
     course.off_turn = std::max(course.off_turn, sim.Get(control.orientation_error).norm());
-    course.joints = std::max(course.joints, sim.Get(scene.arm->velocity).cwiseAbs().maxCoeff());
+    course.joints = std::max(course.joints, sim.Get(scene.arm->velocity).norm());
+    course.missing = std::max(course.missing, sim.Get(control.torque_error).norm() / singular);
+    course.least_singular = std::min(course.least_singular, singular);
   }
   return course;
 }
