@@ -4,6 +4,7 @@
 
 #include "pliant/controllers/bounded_inertia.h"
 #include "pliant/controllers/null_space.h"
+#include "pliant/systems/elements.h"
 
 namespace pliant {
 
@@ -15,8 +16,7 @@ NullSpaceReaction::NullSpaceReaction(const Options& o)
   RequireInRange("", "null_space_gain", o.null_space_gain, "", kNotNegative);
   RequireInRange("", "tool_gain", o.tool_gain, "", kNotNegative);
   RequireInRange("", "stiffness", o.stiffness, "N·m/rad", kNotNegative);
-  if (o.stiffness > 0)
-    RequireEachInRange("posture", o.posture, "rad", kAnyNumber, o.joints);
+  if (o.stiffness > 0) RequireEachInRange("posture", o.posture, "rad", kAnyNumber, o.joints);
   RequireInRange("", "damping", o.damping, "N·m·s/rad", kNotNegative);
   RequireInRange("", "inertia_limit", o.inertia_limit, "kg", kPositive);
   Compute(torque).From(dynamics, frame, external_torque).As(&NullSpaceReaction::Act);

@@ -37,22 +37,42 @@ class ToolFrame final : public Block {
 /// A velocity from a time on, and none before.
 class Wait final : public Block {
  public:
-  explicit Wait(double until_s) {
-    Compute(v).From(clock, u).As([until_s](double t, const LinearVelocity& wanted) {
-      return t < until_s ? LinearVelocity(LinearVelocity::Zero()) : wanted;
-    });
-  }
+  explicit Wait(double until_s) : until_{until_s} { Compute(v).From(clock, u).As(&Wait::Pass); }
   Input<LinearVelocity> u{this, "u"};
   Output<LinearVelocity> v{this, "v"};
+
+ private:
+  LinearVelocity Pass(double t, const LinearVelocity& wanted) const {
+    return t < until_ ? LinearVelocity(Vector3d::Zero()) : wanted;
+  }
+
+  const double until_;
 };
 
-/// τ = g + τᶜ + τⁿ within the limits of the joints, or that of the fallback, and the acceleration of
-/// it and of τ̂_e.
+/// τ = g + τᶜ + τⁿ within the limits of the joints, or that of the fallback, and the acceleration
+/// of it and of τ̂_e.
 class WholeTorque final : public Block {
  public:
   WholeTorque(const RobotModel& model, double fallback_damping)
-      : WholeTorque(model.joints(), model.effort_limit(), fallback_damping) {}
-
+      : dynamics{this, "dynamics", model.joints()},
+        tool{this, "tool", model.joints()},
+        null_space{this, "null_space", model.joints()},
+        external{this, "external", model.joints()},
+        torque{this, "torque", model.joints()},
+        acceleration{this, "acceleration", model.joints()},
+        limit_{model.effort_limit()},
+        damping_{fallback_damping},
+        wanted_{this, "wanted", model.joints()} {
+    Compute(fallback).From(dynamics, tool, null_space).As(&WholeTorque::Falls);
+    Compute(wanted_).From(dynamics, tool, null_space, fallback).As(&WholeTorque::Sum);
+    Compute(torque).From(wanted_).As(&WholeTorque::Cut);
+    Compute(saturated).From(wanted_, motors).As(&WholeTorque::WhichAreCut);
+    Compute(acceleration)
+        .From(dynamics, torque, external)
+        .As([](const RobotDynamics& d, const JointTorque& tau, const JointTorque& tau_e) {
+          return ForwardDynamics(d, tau, tau_e);
+        });
+  }
   Input<RobotDynamics> dynamics;
   Input<JointTorque> tool, null_space, external;
   Input<JointBits> motors{this, "motors"};  ///< joints whose motor's torque is cut
@@ -62,45 +82,30 @@ class WholeTorque final : public Block {
   Output<JointAcceleration> acceleration;
 
  private:
-  WholeTorque(const Joints& joints, const PerJoint& limit, double d)
-      : dynamics{this, "dynamics", joints},
-        tool{this, "tool", joints},
-        null_space{this, "null_space", joints},
-        external{this, "external", joints},
-        torque{this, "torque", joints},
-        acceleration{this, "acceleration", joints},
-        wanted_{this, "wanted", joints} {
-    Compute(fallback)
-        .From(dynamics, tool, null_space)
-        .As([](const RobotDynamics& now, const JointTorque& tau_c, const JointTorque& tau_n) {
-          return !(now.gravity.allFinite() && tau_c.allFinite() && tau_n.allFinite());
-        });
-    Compute(wanted_)
-        .From(dynamics, tool, null_space, fallback)
-        .As([d](const RobotDynamics& now, const JointTorque& tau_c, const JointTorque& tau_n,
-                bool falls) {
-          if (!falls) return JointTorque(now.gravity + tau_c + tau_n);
-          const PerJoint tau = now.gravity - d * now.v;
-          return JointTorque(tau.unaryExpr([](double x) { return std::isfinite(x) ? x : 0; }));
-        });
-    Compute(torque).From(wanted_).As([limit](const JointTorque& tau) {
-      return JointTorque(tau.cwiseMin(limit).cwiseMax(-limit));
-    });
-    Compute(saturated)
-        .From(wanted_, motors)
-        .As([limit](const JointTorque& tau, const JointBits& cut) {
-          JointBits bits = cut;
-          for (int i = 0; i < tau.size(); ++i)
-            if (std::abs(tau(i)) > limit(i)) bits |= JointBits{1} << i;
-          return bits;
-        });
-    Compute(acceleration)
-        .From(dynamics, torque, external)
-        .As([](const RobotDynamics& d, const JointTorque& tau, const JointTorque& tau_e) {
-          return ForwardDynamics(d, tau, tau_e);
-        });
+  bool Falls(const RobotDynamics& d, const JointTorque& tau_c, const JointTorque& tau_n) const {
+    return !(d.gravity.allFinite() && tau_c.allFinite() && tau_n.allFinite());
   }
 
+  JointTorque Sum(const RobotDynamics& d, const JointTorque& tau_c, const JointTorque& tau_n,
+                  bool falls) const {
+    if (!falls) return JointTorque(d.gravity + tau_c + tau_n);
+    const PerJoint tau = d.gravity - damping_ * d.v;
+    return JointTorque(tau.unaryExpr([](double x) { return std::isfinite(x) ? x : 0.0; }));
+  }
+
+  JointTorque Cut(const JointTorque& tau) const {
+    return JointTorque(tau.cwiseMin(limit_).cwiseMax(-limit_));
+  }
+
+  JointBits WhichAreCut(const JointTorque& tau, const JointBits& motors) const {
+    JointBits bits = motors;
+    for (int i = 0; i < tau.size(); ++i)
+      if (std::abs(tau(i)) > limit_(i)) bits |= JointBits{1} << i;
+    return bits;
+  }
+
+  const PerJoint limit_;
+  const double damping_;
   Output<JointTorque> wanted_;
 };
 
@@ -312,10 +317,9 @@ NullSpaceControl::NullSpaceControl(const Options& o)
     listen(observer);
     return observer.residual;
   };
-  auto& tare = Add<ResidualTare>("tare", {.joints = joints,
-                                          .period = o.period,
-                                          .from_s = o.start_s / 2,
-                                          .until_s = o.start_s});
+  auto& tare = Add<ResidualTare>(
+      "tare",
+      {.joints = joints, .period = o.period, .from_s = o.start_s / 2, .until_s = o.start_s});
   Connect(estimate(), tare.residual);
   const Output<JointTorque>& estimated = tare.tared;
 
