@@ -129,7 +129,7 @@ std::string NullSpaceTorqueOf(const NullSpaceChoice& choice) {
   };
   const auto reaction = [](const ObservedNullSpaceTorque& o) {
     return "k_n = " + Text(o.null_space_gain) + ", k_t = " + Text(o.tool_gain) +
-           ", D_n = " + Text(o.damping);
+           ", K_n = " + Text(o.stiffness) + " N·m/rad, D_n = " + Text(o.damping);
   };
   if (const auto* o = std::get_if<PrintedNullSpaceTorque>(&choice))
     return impedance("impedance as printed", *o);
@@ -144,18 +144,19 @@ std::string NullSpaceTorqueOf(const NullSpaceChoice& choice) {
 
 std::vector<Setting> SettingsOf(const NullSpaceControl::Options& c) {
   const auto* regression = std::get_if<RegressedNullSpaceTorque>(&c.null_space);
-  return {
-      {"controller",
-       c.tool + " at " + c.period.text() + " " + MotionOf(c.motion) +
-           "; D = " + Text(c.damping.transpose()) + " N·s/m, k_p = " + Text(c.tracking.gain) +
-           ", k_d = " + Text(c.tracking.rate_gain_s) +
-           " s; K_ω = " + Text(c.orientation.stiffness.transpose()) +
-           " N·m/rad, D_ω = " + Text(c.orientation.damping.transpose()) + " N·m·s/rad"},
-      {"limits", "none"},
-      {"estimator", regression ? "least squares that forget, T = " + Text(regression->memory_s) +
-                                     " s, r₀ = " + Text(regression->prior)
-                               : "momentum observer, K_I = " + Text(c.observer_gain) + " 1/s"},
-      {"compliance", "null space: " + NullSpaceTorqueOf(c.null_space)}};
+  return {{"controller",
+           c.tool + " at " + c.period.text() + ", from " + Text(c.start_s) + " s " +
+               MotionOf(c.motion) + "; D = " + Text(c.damping.transpose()) + " N·s/m, k_p = " +
+               Text(c.tracking.gain) + ", k_d = " + Text(c.tracking.rate_gain_s) +
+               " s; K_ω = " + Text(c.orientation.stiffness.transpose()) +
+               " N·m/rad, D_ω = " + Text(c.orientation.damping.transpose()) + " N·m·s/rad"},
+          {"limits", "torques of the model"},
+          {"estimator", regression
+                            ? "least squares that forget, T = " + Text(regression->memory_s) +
+                                  " s, r₀ = " + Text(regression->prior) +
+                                  (regression->at ? ", of a force at " + regression->at->link : "")
+                            : "momentum observer, K_I = " + Text(c.observer_gain) + " 1/s"},
+          {"compliance", "null space: " + NullSpaceTorqueOf(c.null_space)}};
 }
 
 std::string DetectionOf(const ContactSettings& c) {

@@ -22,8 +22,8 @@ namespace pliant {
 ///   ω_n = √(k_p/m_d),   ζ = k_d/(2 √(k_p m_d)),   at rest e = −F̂/k_p                  (CF 13, 15)
 ///
 /// With the natural inertia of a single contact what is commanded does not depend on F̂ (CF 24). Of
-/// several contacts each has its own, so that they move apart from one another, and that takes F̂. An M_d far below the
-/// natural inertia multiplies F̂ and its errors by their ratio, less one.
+/// several contacts each has its own, so that they move apart from one another, and that takes F̂.
+/// An M_d far below the natural inertia multiplies F̂ and its errors by their ratio, less one.
 ///
 /// Source: Magrini, Flacco & De Luca 2015 (CF), IV-A.
 class ContactImpedance final : public Block {

@@ -4,6 +4,7 @@
 
 #include "pliant/controllers/bounded_inertia.h"
 #include "pliant/controllers/null_space.h"
+#include "pliant/systems/elements.h"
 
 namespace pliant {
 
@@ -14,6 +15,8 @@ NullSpaceReaction::NullSpaceReaction(const Options& o)
       o_{o} {
   RequireInRange("", "null_space_gain", o.null_space_gain, "", kNotNegative);
   RequireInRange("", "tool_gain", o.tool_gain, "", kNotNegative);
+  RequireInRange("", "stiffness", o.stiffness, "N·m/rad", kNotNegative);
+  if (o.stiffness > 0) RequireEachInRange("posture", o.posture, "rad", kAnyNumber, o.joints);
   RequireInRange("", "damping", o.damping, "N·m·s/rad", kNotNegative);
   RequireInRange("", "inertia_limit", o.inertia_limit, "kg", kPositive);
   Compute(torque).From(dynamics, frame, external_torque).As(&NullSpaceReaction::Act);
@@ -40,7 +43,8 @@ JointTorque NullSpaceReaction::Act(const RobotDynamics& d, const FrameDynamics& 
   const PerJoint v_n = d.v - carried;
 
   const PerJoint pushed_tool = tool_part(tau_e);
-  const PerJoint inside = o_.null_space_gain * tau_e - o_.damping * v_n;
+  PerJoint inside = o_.null_space_gain * tau_e - o_.damping * v_n;
+  if (o_.stiffness > 0) inside += o_.stiffness * (o_.posture - d.q);
   return inside - tool_part(inside) - o_.tool_gain * pushed_tool;
 }
 

@@ -12,9 +12,10 @@ PassivityMonitor::PassivityMonitor(const Options& o)
   RequireEachInRange("damping", o.damping, "N·s/m", kNotNegative);
   RequireEachInRange("stiffness", o.stiffness, "N·m/rad", kNotNegative);
   RequireInRange("", "rate_gain_s", o.rate_gain_s, "s", kNotNegative);
+  RequireInRange("", "from_s", o.from_s, "s", kNotNegative);
   Every(o.period)
       .Compute(account_)
-      .From(account_, dynamics, desired_velocity, orientation_error, velocity_error,
+      .From(account_, clock, dynamics, desired_velocity, orientation_error, velocity_error,
             external_torque)
       .As(&PassivityMonitor::Next);
   Compute(storage).From(account_).As([](const Account& a) { return a.storage; });
@@ -23,11 +24,12 @@ PassivityMonitor::PassivityMonitor(const Options& o)
       [](const Account& a) { return a.storage - a.first - a.supply; });
 }
 
-PassivityMonitor::Account PassivityMonitor::Next(const Account& last, const RobotDynamics& d,
+PassivityMonitor::Account PassivityMonitor::Next(const Account& last, double t, const RobotDynamics& d,
                                                  const JointVelocity& qd_dot,
                                                  const OrientationError& e_r,
                                                  const LinearVelocity& e_p,
                                                  const JointTorque& tau_e) const {
+  if (t < o_.from_s) return last;
   const PerJoint e_q = qd_dot - d.v;
   const PerJoint momentum = d.M.lazyProduct(e_q);
   const double storage = 0.5 * e_q.dot(momentum) + 0.5 * e_r.dot(o_.stiffness.cwiseProduct(e_r)) +

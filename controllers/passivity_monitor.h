@@ -22,7 +22,7 @@ namespace pliant {
 /// pushes along q̇, and where ë_p is filtered, sampled or late. M holds the rotors if `dynamics`
 /// does.
 ///
-/// The integral is that of the trapezoidal rule over the samples: a smooth supply p makes it wrong
+/// The account begins at `from_s`; all is 0 until then. The integral is that of the trapezoidal rule over the samples: a smooth supply p makes it wrong
 /// by at most h²/12 ∫|p̈|.
 ///
 /// Source: Yang, Wang & Kermani 2025 (NS), III-C.
@@ -33,6 +33,7 @@ class PassivityMonitor final : public Block {
     Eigen::Vector3d damping;    ///< D [N·s/m]
     Eigen::Vector3d stiffness;  ///< K_ω [N·m/rad]
     double rate_gain_s = 0;     ///< k_d [s]
+    double from_s = 0;          ///< when the account begins, ≥ 0
     Duration period;
   };
 
@@ -62,7 +63,7 @@ class PassivityMonitor final : public Block {
     }
   };
 
-  Account Next(const Account& last, const RobotDynamics& d, const JointVelocity& qd_dot,
+  Account Next(const Account& last, double t, const RobotDynamics& d, const JointVelocity& qd_dot,
                const OrientationError& e_r, const LinearVelocity& e_p,
                const JointTorque& tau_e) const;
 

@@ -1,11 +1,13 @@
 #include "pliant/diagrams/null_space_control.h"
 
 #include <Eigen/Geometry>
+#include <cmath>
 #include <type_traits>
 
 #include "pliant/controllers/passivity_monitor.h"
 #include "pliant/controllers/velocity_tracking.h"
 #include "pliant/estimators/momentum_observer.h"
+#include "pliant/estimators/residual_tare.h"
 #include "pliant/plants/model_dynamics.h"
 #include "pliant/systems/constant.h"
 #include "pliant/systems/filtered_derivative.h"
@@ -32,21 +34,39 @@ class ToolFrame final : public Block {
   Output<LinearVelocity> velocity{this, "velocity"};
 };
 
-/// τ = g + τᶜ + τⁿ, and the acceleration of it and of τ̂_e.
+/// A velocity from a time on, and none before.
+class Wait final : public Block {
+ public:
+  explicit Wait(double until_s) : until_{until_s} { Compute(v).From(clock, u).As(&Wait::Pass); }
+  Input<LinearVelocity> u{this, "u"};
+  Output<LinearVelocity> v{this, "v"};
+
+ private:
+  LinearVelocity Pass(double t, const LinearVelocity& wanted) const {
+    return t < until_ ? LinearVelocity(Vector3d::Zero()) : wanted;
+  }
+
+  const double until_;
+};
+
+/// τ = g + τᶜ + τⁿ within the limits of the joints, or that of the fallback, and the acceleration
+/// of it and of τ̂_e.
 class WholeTorque final : public Block {
  public:
-  explicit WholeTorque(const Joints& joints)
-      : dynamics{this, "dynamics", joints},
-        tool{this, "tool", joints},
-        null_space{this, "null_space", joints},
-        external{this, "external", joints},
-        torque{this, "torque", joints},
-        acceleration{this, "acceleration", joints} {
-    Compute(torque)
-        .From(dynamics, tool, null_space)
-        .As([](const RobotDynamics& d, const JointTorque& tau_c, const JointTorque& tau_n) {
-          return JointTorque(d.gravity + tau_c + tau_n);
-        });
+  WholeTorque(const RobotModel& model, double fallback_damping)
+      : dynamics{this, "dynamics", model.joints()},
+        tool{this, "tool", model.joints()},
+        null_space{this, "null_space", model.joints()},
+        external{this, "external", model.joints()},
+        torque{this, "torque", model.joints()},
+        acceleration{this, "acceleration", model.joints()},
+        limit_{model.effort_limit()},
+        damping_{fallback_damping},
+        wanted_{this, "wanted", model.joints()} {
+    Compute(fallback).From(dynamics, tool, null_space).As(&WholeTorque::Falls);
+    Compute(wanted_).From(dynamics, tool, null_space, fallback).As(&WholeTorque::Sum);
+    Compute(torque).From(wanted_).As(&WholeTorque::Cut);
+    Compute(saturated).From(wanted_, motors).As(&WholeTorque::WhichAreCut);
     Compute(acceleration)
         .From(dynamics, torque, external)
         .As([](const RobotDynamics& d, const JointTorque& tau, const JointTorque& tau_e) {
@@ -55,8 +75,38 @@ class WholeTorque final : public Block {
   }
   Input<RobotDynamics> dynamics;
   Input<JointTorque> tool, null_space, external;
+  Input<JointBits> motors{this, "motors"};  ///< joints whose motor's torque is cut
+  Output<bool> fallback{this, "fallback"};
   Output<JointTorque> torque;
+  Output<JointBits> saturated{this, "saturated"};
   Output<JointAcceleration> acceleration;
+
+ private:
+  bool Falls(const RobotDynamics& d, const JointTorque& tau_c, const JointTorque& tau_n) const {
+    return !(d.gravity.allFinite() && tau_c.allFinite() && tau_n.allFinite());
+  }
+
+  JointTorque Sum(const RobotDynamics& d, const JointTorque& tau_c, const JointTorque& tau_n,
+                  bool falls) const {
+    if (!falls) return JointTorque(d.gravity + tau_c + tau_n);
+    const PerJoint tau = d.gravity - damping_ * d.v;
+    return JointTorque(tau.unaryExpr([](double x) { return std::isfinite(x) ? x : 0.0; }));
+  }
+
+  JointTorque Cut(const JointTorque& tau) const {
+    return JointTorque(tau.cwiseMin(limit_).cwiseMax(-limit_));
+  }
+
+  JointBits WhichAreCut(const JointTorque& tau, const JointBits& motors) const {
+    JointBits bits = motors;
+    for (int i = 0; i < tau.size(); ++i)
+      if (std::abs(tau(i)) > limit_(i)) bits |= JointBits{1} << i;
+    return bits;
+  }
+
+  const PerJoint limit_;
+  const double damping_;
+  Output<JointTorque> wanted_;
 };
 
 /// How a point and its velocity miss what moves in time.
@@ -91,9 +141,10 @@ GoalGenerator::Options InWorld(const Pose& start, GoalGenerator::Options o) {
   o.goal += start.position;
   return o;
 }
-PoseCircle::Options InWorld(const Pose& start, PoseCircle::Options o) {
+PoseCircle::Options InWorld(const Pose& start, PoseCircle::Options o, double start_s) {
   o.start = {start.position + o.start.position, o.start.rotation * start.rotation};
   o.center += start.position;
+  o.start_s += start_s;
   return o;
 }
 
@@ -129,6 +180,7 @@ NullSpaceControl::NullSpaceControl(const Options& o)
       current{this, "current", o.model.joints()},
       torque_error{this, "torque_error", o.model.joints()},
       saturated{this, "saturated"},
+      fallback{this, "fallback"},
       tool_torque{this, "tool_torque", o.model.joints()},
       null_space_torque{this, "null_space_torque", o.model.joints()},
       external_torque{this, "external_torque", o.model.joints()},
@@ -143,6 +195,10 @@ NullSpaceControl::NullSpaceControl(const Options& o)
       least_singular{this, "least_singular"} {
   const Joints& joints = o.model.joints();
   RequireInRange("", o);
+  Require(o.start_s == 0 || o.start_s >= 2 * seconds(o.period),
+          "start_s must be 0 or at least two periods of " + o.period.text() +
+              ": the offset of the estimate is taken before",
+          o.start_s);
   RequireOneForEach(joints, "position", o.position.size());
   RobotDynamics at_start(o.model, {o.tool});
   ComputeDynamics(o.model, o.position, JointVelocity::Zero(joints), at_start);
@@ -153,7 +209,7 @@ NullSpaceControl::NullSpaceControl(const Options& o)
   auto& tool = Add<ToolFrame>("tool", joints);
   auto& projector =
       Add<NullSpaceProjector>("projector", {.joints = joints, .damped_below = o.damped_below});
-  auto& whole = Add<WholeTorque>("whole", joints);
+  auto& whole = Add<WholeTorque>("whole", o.model, o.fallback_damping);
   auto& actuation = Add<TorqueActuation>("actuation", {.joints = joints,
                                                        .rotor_inertia = o.rotor_inertia,
                                                        .motors = o.low_level,
@@ -165,6 +221,7 @@ NullSpaceControl::NullSpaceControl(const Options& o)
        .stiffness = o.orientation.stiffness,
        .rate_gain_s =
            std::holds_alternative<ClassicalMotion>(o.motion) ? 0 : o.tracking.rate_gain_s,
+       .from_s = o.start_s,
        .period = o.period});
 
   Connect(measured_position, dynamics.position);
@@ -196,7 +253,7 @@ NullSpaceControl::NullSpaceControl(const Options& o)
       [&](const auto& motion) -> const Output<LinearVelocity>& {
         using Motion = std::remove_cvref_t<decltype(motion)>;
         if constexpr (std::is_same_v<Motion, ClassicalMotion>) {
-          const PoseCircle::Options circle = InWorld(start, motion.circle);
+          const PoseCircle::Options circle = InWorld(start, motion.circle, o.start_s);
           auto& reference = Add<PoseCircle>("reference", circle);
           auto& path = Add<LimitCycleGenerator>("path", PathOf(circle));
           auto& errors = Add<TimedErrors>("errors");
@@ -223,13 +280,15 @@ NullSpaceControl::NullSpaceControl(const Options& o)
               "impedance", {.joints = joints, .damping = o.damping, .orientation = o.orientation});
           follow(generator);
           impede(law);
-          Connect(generator.desired, tracking.desired);
+          auto& wait = Add<Wait>("wait", o.start_s);
+          Connect(generator.desired, wait.u);
+          Connect(wait.v, tracking.desired);
           Connect(tool.velocity, tracking.velocity);
           Connect(tracking.error, rate.u);
           Connect(rate.y, tracking.error_rate);
           Connect(tracking.command, law.command);
           Connect(upright.y, law.target);
-          return want(generator.desired, tracking.error);
+          return want(wait.v, tracking.error);
         }
       },
       o.motion);
@@ -258,7 +317,11 @@ NullSpaceControl::NullSpaceControl(const Options& o)
     listen(observer);
     return observer.residual;
   };
-  const Output<JointTorque>& estimated = estimate();
+  auto& tare = Add<ResidualTare>(
+      "tare",
+      {.joints = joints, .period = o.period, .from_s = o.start_s / 2, .until_s = o.start_s});
+  Connect(estimate(), tare.residual);
+  const Output<JointTorque>& estimated = tare.tared;
 
   // The proof's q̇_d, also where the law of the null space has none.
   const auto* printed = std::get_if<PrintedNullSpaceTorque>(&o.null_space);
@@ -292,6 +355,8 @@ NullSpaceControl::NullSpaceControl(const Options& o)
     auto& reaction = Add<NullSpaceReaction>("reaction", {.joints = joints,
                                                          .null_space_gain = of.null_space_gain,
                                                          .tool_gain = of.tool_gain,
+                                                         .stiffness = of.stiffness,
+                                                         .posture = o.position,
                                                          .damping = of.damping});
     Connect(dynamics.dynamics, reaction.dynamics);
     Connect(tool.frame, reaction.frame);
@@ -309,7 +374,9 @@ NullSpaceControl::NullSpaceControl(const Options& o)
   Connect(measured_torque, actuation.measured_torque);
   Connect(actuation.current, current);
   Connect(actuation.torque_error, torque_error);
-  Connect(actuation.saturated, saturated);
+  Connect(actuation.saturated, whole.motors);
+  Connect(whole.saturated, saturated);
+  Connect(whole.fallback, fallback);
   Connect(dynamics.dynamics, monitor.dynamics);
   Connect(impedance.desired_velocity, monitor.desired_velocity);
   Connect(true_torque, monitor.external_torque);

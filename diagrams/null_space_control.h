@@ -85,12 +85,14 @@ struct ObservedNullSpaceTorque {
 
   double null_space_gain = 1;  ///< k_n
   double tool_gain = 0;        ///< k_t
+  double stiffness = 0;        ///< K_n [N·m/rad], about the posture at the start
   double damping = 1;          ///< D_n [N·m·s/rad]
 
   template <class F>
   void Parameters(F&& f) {
     f("null_space_gain", null_space_gain, "", kNotNegative);
     f("tool_gain", tool_gain, "", kNotNegative);
+    f("stiffness", stiffness, "N·m/rad", kNotNegative);
     f("damping", damping, "N·m·s/rad", kNotNegative);
   }
 };
@@ -101,7 +103,7 @@ struct RegressedNullSpaceTorque : ObservedNullSpaceTorque {
 
   double memory_s = 0.1;                    ///< T
   double prior = 1;                         ///< r₀
-  std::optional<InteractionPoint> at = {};  ///< none: any torque
+  std::optional<InteractionPoint> at = {};  ///< none: any torque, as by an observer of K_I = 1/T
 
   template <class F>
   void Parameters(F&& f) {
@@ -125,8 +127,17 @@ using NullSpaceChoice =
 ///
 ///   τ = g + τᶜ + τⁿ
 ///
+/// where every joint's effort limit cuts it. If a part is not finite, τ = g − d q̇, d the damping of
+/// the fallback, and 0 for joints of which that is not finite either. Parts that remember a sample
+/// that was not finite do not recover: the arm stays in the fallback.
+///
 /// The estimate of the external torque is that of the choice, or of a momentum observer for those
 /// to see who look on. The rotors are part of what the controller moves; estimates take them off.
+/// Before `start_s` nothing moves the tool: ṗ̃_d = 0, and a point that goes by time waits where it
+/// is to start. The mean of the estimate over the second half of that time, with the arm at rest
+/// and untouched, is taken off it (ResidualTare), and there is no estimate until then. With start_s
+/// = 0 the estimate is as it is, with the offsets of the sensors. Of a force at a point, what is
+/// taken off is the torque that an offset made there, which changes as the arm moves away.
 ///
 /// Source: Yang, Wang & Kermani 2025 (NS).
 class NullSpaceControl final : public Composite {
@@ -141,7 +152,8 @@ class NullSpaceControl final : public Composite {
     Duration period = 1ms;   ///< of the arm's interface
     std::optional<LowLevelTorque::Options> low_level = {};  ///< the motors, if it is to drive them
 
-    std::string tool;  ///< link that is moved
+    std::string tool;    ///< link that is moved
+    double start_s = 0;  ///< when the tool begins to move
     ToolMotionChoice motion = {};
     TrackingGains tracking = {};                            ///< of a generator's velocity
     Eigen::Vector3d damping = Eigen::Vector3d(40, 40, 10);  ///< D, D_c [N·s/m]
@@ -149,11 +161,13 @@ class NullSpaceControl final : public Composite {
     NullSpaceChoice null_space = {};
     double damped_below = 0.05;  ///< σ₀ of the projector
     double observer_gain = 50;   ///< K_I of the momentum observer [1/s]
+    double fallback_damping = 5;  ///< d [N·m·s/rad]
     TorqueLoopChoice torque_loop = {};
 
     template <class F>
     void Parameters(F&& f) {
       f("tool", tool);
+      f("start_s", start_s, "s", kNotNegative);
       f("motion", motion);
       f("tracking", tracking);
       f("damping", damping, "N·s/m", kNotNegative);
@@ -161,6 +175,7 @@ class NullSpaceControl final : public Composite {
       f("null_space", null_space);
       f("damped_below", damped_below, "", kPositive);
       f("observer_gain", observer_gain, "1/s", kPositive);
+      f("fallback_damping", fallback_damping, "N·m·s/rad", kNotNegative);
       f("torque_loop", torque_loop);
     }
   };
@@ -174,7 +189,8 @@ class NullSpaceControl final : public Composite {
   Output<JointTorque> torque;      ///< τ
   Output<MotorCurrent> current;
   Output<JointTorque> torque_error;
-  Output<JointBits> saturated;
+  Output<JointBits> saturated;            ///< joints whose τ or whose motor's torque is cut
+  Output<bool> fallback;                  ///< whether τ is that of the fallback
   Output<JointTorque> tool_torque;        ///< τᶜ
   Output<JointTorque> null_space_torque;  ///< τⁿ
   Output<JointTorque> external_torque;    ///< τ̂_e

@@ -188,7 +188,7 @@ std::vector<const internal::Value*> RecordedOf(const NullSpaceControl& control,
           &control.external_torque, &control.desired,     &control.velocity_error,
           &control.target,          &control.path_error,  &control.orientation_error,
           &control.storage,         &control.supply,      &control.excess,
-          &control.least_singular};
+          &control.least_singular,  &control.fallback};
 }
 
 std::vector<const internal::Value*> RecordedOf(const ContactControl& control,

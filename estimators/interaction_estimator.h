@@ -36,6 +36,13 @@ struct InteractionPoint {
 /// R_k⁻¹ is at most I/r₀, and nothing winds up. That costs a part r₀/(r₀ + s) of θ, s what the
 /// samples that are remembered say of it: with Φ = I, s → 1/(1 − λ).
 ///
+/// With Φ = I, R is a number, and once it has settled
+///
+///   θ_k = λ θ_{k−1} + (1 − λ)/(1 + r₀ (1 − λ)) y_k
+///
+/// which is a momentum observer with K_I = 1/T, exactly discretized, but for the part that r₀ takes:
+/// no other estimate under another name. What least squares add comes with a point.
+///
 /// The momentum is that of MomentumObserver, with the rotors taken off in the same way.
 ///
 /// Source: Ljung & Söderström, Theory and Practice of Recursive Identification, 1983, 2.2 and 5.6.

@@ -22,6 +22,7 @@ Hand::Hand(const Options& o)
       k_{o.stiffness},
       d_{o.damping},
       anchor_{this, "anchor"},
+      held_{this, "held", {}, true},
       holds_{this, "holds"},
       pull_{this, "pull"} {
   Require(o.point.allFinite(), "point must be finite", o.point.transpose());
@@ -34,18 +35,25 @@ Hand::Hand(const Options& o)
     // Once more when the first tick of a path that is sampled has come.
     Every(kOnce).Update(anchor_).From(path, motion).As(&Hand::TakeHold);
     When(holds_).Crosses(Direction::Rising).Update(anchor_).From(path, motion).As(&Hand::TakeHold);
+    const auto holds = [](double g) { return g > 0; };
+    AtStart().Update(held_).From(grip).As(holds);
+    Every(kOnce).Update(held_).From(grip).As(holds);
+    When(holds_).Crosses(Direction::Rising).Update(held_).From(grip).As(holds);
+    When(holds_).Crosses(Direction::Falling).Update(held_).From(grip).As(holds);
   }
-  Compute(pull_).From(grip, anchor_, path, path_velocity, motion).As(&Hand::Stretch);
+  Compute(pull_).From(grip, anchor_, held_, path, path_velocity, motion).As(&Hand::Stretch);
   Compute(contact).From(pull_).As(&Hand::Act);
   Compute(energy).From(pull_).As(&Hand::Store);
   Compute(dissipation).From(pull_).As(&Hand::Dissipate);
   Compute(power).From(contact, path_velocity).As(&Hand::Drive);
 }
 
-Hand::Pull Hand::Stretch(const double& g, const Position& anchor, const Position& path_now,
-                         const LinearVelocity& path_rate, const RobotDynamics& d) const {
+Hand::Pull Hand::Stretch(const double& g, const Position& anchor, bool held,
+                         const Position& path_now, const LinearVelocity& path_rate,
+                         const RobotDynamics& d) const {
   const PointMotion x = MotionOf(model_, d, link_, point_);
-  return {std::clamp(g, 0.0, 1.0), anchor + path_now - x.position, path_rate - x.velocity};
+  return {held ? std::clamp(g, 0.0, 1.0) : 0, anchor + path_now - x.position,
+          path_rate - x.velocity};
 }
 
 Position Hand::TakeHold(const Position& path_now, const RobotDynamics& d) const {

@@ -77,7 +77,7 @@ class Hand final : public Block {
     }
   };
 
-  Pull Stretch(const double& g, const Position& anchor, const Position& path,
+  Pull Stretch(const double& g, const Position& anchor, bool held, const Position& path,
                const LinearVelocity& path_velocity, const RobotDynamics& d) const;
   Position TakeHold(const Position& path, const RobotDynamics& d) const;
   ContactForce Act(const Pull& pull) const;
@@ -90,6 +90,7 @@ class Hand final : public Block {
   const Eigen::Vector3d point_, k_;
   const double d_;
   Discrete<Position> anchor_;  // x(t₀) − path(t₀)
+  Discrete<bool> held_;        // since t₀; until then, and once let go, there is no force
   Output<double> holds_;       // 1 or −1
   Output<Pull> pull_;
 };

@@ -234,6 +234,31 @@ TEST(NullSpaceReaction, DampsMotionThatDoesNotMoveTheToolAndNoOther) {
   }
 }
 
+TEST(NullSpaceReaction, PullsBackToThePostureWithoutMovingTheTool) {
+  const RobotModel m = Lwr();
+  RandomStates random(m, 50);
+  const JointTorque none = JointTorque::Zero(m.joints());
+  int away = 0;
+  for (int i = 0; i < 50; ++i) {
+    const RobotDynamics d = At(m, random.q(), JointVelocity::Zero(m.joints()));
+    if (SpaceOf(d.frame[0]).least_singular < 0.1) continue;
+    ++away;
+    NullSpaceReaction::Options o{.joints = m.joints(), .stiffness = 7, .inertia_limit = 1e5};
+    o.posture = d.q + random.Uniform(0.3);
+    const JointTorque tau = React(o, d, none);
+    const VectorXd moved = d.M.llt().solve(PerJoint(tau));
+    EXPECT_LT((d.frame[0].J * moved).norm(), 1e-9 * (1 + moved.norm()));
+    // M⁻¹ P is symmetric and ⪰ 0: the pull accelerates the joints towards q_0, if at all.
+    EXPECT_GE(moved.dot(o.posture - d.q), -1e-9);
+    // P leaves out of a torque what is Jᵀ F, and of a motion in the null space takes it all.
+    const VectorXd inside = SpaceOf(d.frame[0]).projector * random.v();
+    EXPECT_NEAR(tau.dot(inside), 7 * inside.dot(o.posture - d.q), 1e-8);
+    o.posture = d.q;
+    EXPECT_EQ(React(o, d, none).norm(), 0);
+  }
+  EXPECT_GT(away, 10);
+}
+
 TEST(NullSpaceBlocks, StayFiniteAndOffTheHeapAtSingularPostures) {
   const RobotModel m = Lwr();
   RandomStates random(m, 49);
@@ -288,6 +313,10 @@ TEST(NullSpaceBlocks, RefuseOptionsOutOfRange) {
               HasSubstr("tool_gain must be"));
   EXPECT_THAT(ErrorOf([&] { NullSpaceReaction block({.joints = joints, .damping = -1}); }),
               HasSubstr("damping must be"));
+  EXPECT_THAT(ErrorOf([&] { NullSpaceReaction block({.joints = joints, .stiffness = -1}); }),
+              HasSubstr("stiffness must be"));
+  EXPECT_THAT(ErrorOf([&] { NullSpaceReaction block({.joints = joints, .stiffness = 1}); }),
+              HasSubstr("posture has an element for each of the 7 joints, got 0"));
   EXPECT_THAT(ErrorOf([&] { NullSpaceReaction block({.joints = joints, .inertia_limit = 0}); }),
               HasSubstr("inertia_limit must be"));
 }

@@ -171,6 +171,12 @@ TEST(VelocityTracking, PassesTheLawsOfBlocks) {
       BlockTester<VelocityTracking>(VelocityTracking::Options{.gain = 5, .rate_gain_s = 0.1}));
 }
 
+TEST(ToolImpedances, PassTheLawsOfBlocks) {
+  const Joints joints = Lwr().joints();
+  ExpectBlockLaws(BlockTester<VelocityImpedance>(VelocityImpedance::Options{.joints = joints}));
+  ExpectBlockLaws(BlockTester<ClassicalImpedance>(ClassicalImpedance::Options{.joints = joints}));
+}
+
 TEST(ToolImpedances, RefuseGainsThatAreNone) {
   using testing::HasSubstr;
   const Joints joints = Lwr().joints();

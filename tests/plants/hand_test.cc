@@ -151,6 +151,9 @@ TEST(Hand, TakesHoldAgainWhereThePointIsThen) {
   const Diagram diagram = s.b.Build();
   Simulator sim(diagram, kAccurately);
   for (const double t : {0.1, 0.3, 0.5, 0.7}) {
+    sim.AdvanceTo(t);
+    sim.AdvanceThroughTick();
+    EXPECT_EQ(sim.Get(hand.contact).force, Vector3d(Vector3d::Zero())) << "not yet, at " << t;
     sim.AdvanceTo(t + 1e-9);
     EXPECT_NEAR(sim.Get(hand.energy), 0, 1e-14) << t;
     EXPECT_NEAR(sim.Get(hand.contact).force(0), -5 * sim.Get(s.plant.velocity)(0), 1e-6) << t;
