@@ -200,11 +200,14 @@ TEST(ContactControl, PressesAsHardAsItIsTold) {
                      " duration_s: 4, path: [{after_s: 1, by: [0, 0.35, 0]}]}]"}}));
   run.To(5.9);
   EXPECT_EQ(run.Get(run.place(0).status), ContactForceStatus::Regulating);
-  printf("XX %g %g %g %g\n",run.Get(run.place(0).force).norm()-15,run.Get(run.place(0).velocity).norm(),run.Get(run.place(0).force_error).norm(),run.Get(run.place(0).observed_error).norm());
-  EXPECT_NEAR(run.Get(run.place(0).force).norm(), 15, 0.5);
+  // The mode of law and hand decays with k_f k_e/(k_d + k_f d), 4.8 1/s, which leaves nothing after
+  // 2.9 s; 1 % is for the direction along which the stretched arm hardly moves.
+  const double off = 0.01 * 15;
+  EXPECT_NEAR(run.Get(run.place(0).force).norm(), 15, off);
   EXPECT_NEAR(run.Get(run.place(0).wanted).norm(), 15, 1e-9);
-  EXPECT_LT(run.Get(run.place(0).velocity).norm(), 0.02);
-  EXPECT_LT(run.Get(run.place(0).force_error).norm(), 0.5);
+  const double speed = 4.1 * off / (10.5 + 4.1 * 10);  // k_f ΔF/(k_d + k_f d)
+  EXPECT_LT(run.Get(run.place(0).velocity).norm(), speed);
+  EXPECT_LT(run.Get(run.place(0).observed_error).norm(), 60 * speed / 50);  // k_e ẋ/K_I, the lag
 }
 
 TEST(ContactControl, TheGuardEndsADrift) {

@@ -210,20 +210,26 @@ TEST(ContactLocalization, FindsTwoHandsAndEachKeepsItsPlace) {
 }
 
 TEST(ContactLocalization, TellsHandsApartThatConvergeWhenOneOfThemLetsGo) {
-  // Two hands on the upper arm, from 20 cm apart to 10 cm, which is less than `separation`.
+  // Along the forearm, from the elbow on: a hand that stays, and one that comes nearer than
+  // `separation`, 12 cm.
+  const auto near = [](double way) {
+    return Vector3d(-0.257 - 0.766 * way, 1.5, 0.617 - 0.643 * way);
+  };
   for (const std::size_t stays : {0U, 1U}) {
     Rig rig(kBeside);
-    const auto push = [&](double height) {
-      return rig.PushAt("link_3", {0.05, 1.5, height}, kStart);
-    };
     std::array<ContactForce, 2> hand;
+    const auto apart = [&] {
+      return (rig.InWorld(hand[0], kStart) - rig.InWorld(hand[1], kStart)).norm();
+    };
     for (int k = 0; k <= 40; ++k) {
-      const double apart = 0.2 - 0.1 * std::min(k, 20) / 20;
-      hand = {push(0.50 - apart / 2), push(0.50 + apart / 2)};
+      hand = {rig.PushAt("link_4", near(0.1), kStart),
+              rig.PushAt("link_5", near(0.3 - 0.1 * std::min(k, 20) / 20), kStart)};
+      if (k == 0) ASSERT_GT(apart(), 0.14);
       for (std::size_t i : {0U, 1U}) rig.sim->Set(rig.push[i]->value, hand[i]);
       rig.Look();
-      ASSERT_EQ(rig.found().count(), 2) << apart;
+      ASSERT_EQ(rig.found().count(), 2) << apart();
     }
+    ASSERT_LT(apart(), 0.115);
     const std::size_t first =
         (rig.InWorld(rig.found().at[0], kStart) - rig.InWorld(hand[0], kStart)).norm() < kHand ? 0
                                                                                                : 1;
