@@ -11,6 +11,7 @@
 #include "pliant/systems/block_tester.h"
 #include "pliant/systems/filtered_derivative.h"
 #include "pliant/tests/plants/arms.h"
+#include "pliant/tests/support/allocations.h"
 #include "pliant/tests/support/block_laws.h"
 #include "pliant/tests/support/error_of.h"
 
@@ -171,10 +172,35 @@ TEST(VelocityTracking, PassesTheLawsOfBlocks) {
       BlockTester<VelocityTracking>(VelocityTracking::Options{.gain = 5, .rate_gain_s = 0.1}));
 }
 
-TEST(ToolImpedances, PassTheLawsOfBlocks) {
-  const Joints joints = Lwr().joints();
-  ExpectBlockLaws(BlockTester<VelocityImpedance>(VelocityImpedance::Options{.joints = joints}));
-  ExpectBlockLaws(BlockTester<ClassicalImpedance>(ClassicalImpedance::Options{.joints = joints}));
+// What ExpectBlockLaws asks of a block, for inputs that are frames of an arm; there is no state.
+TEST(ToolImpedances, StayFiniteAndOffTheHeapAndRepeatThemselves) {
+  const RobotModel m = Lwr();
+  const auto expect = [&](auto&& t) {
+    RandomStates random(m, 65);
+    const Context snapshot = t.simulator().Snapshot();
+    for (int i = 0; i < 50; ++i) {
+      const FrameDynamics tool = ToolAt(m, random.q(), random.v());
+      const Vector3d turn = kPi * random.Uniform(1).template head<3>().normalized();  // half a turn
+      const Pose target{random.Uniform(1).template head<3>(),
+                        AngleAxisd(turn.norm(), turn.normalized()) * tool.pose.rotation};
+      const auto torque = [&] {
+        t.Set(t->frame, tool);
+        t.Set(t->target, target);
+        return PerJoint(t.Get(t->torque));
+      };
+      const PerJoint first = torque();
+      const long before = Allocations();
+      EXPECT_EQ(torque(), first);
+      EXPECT_EQ(Allocations() - before, 0);
+      EXPECT_TRUE(first.allFinite());
+      t.simulator().Restore(snapshot);
+      EXPECT_EQ(torque(), first);
+    }
+  };
+  BlockTester<VelocityImpedance> velocity(VelocityImpedance::Options{.joints = m.joints()});
+  velocity.Set(velocity->command, {0.1, -0.2, 0.3});
+  expect(velocity);
+  expect(BlockTester<ClassicalImpedance>(ClassicalImpedance::Options{.joints = m.joints()}));
 }
 
 TEST(ToolImpedances, RefuseGainsThatAreNone) {

@@ -49,21 +49,27 @@ struct Course {
   double off_path = 0, off_turn = 0, joints = 0;
   double missing = 0;         ///< of a wrench of the tool, by the torque that the motors leave out
   double least_singular = 1;  ///< of the tool's Jacobian
+  double way = 0;             ///< of the point of the path that the tool goes by
   bool fell = false;          ///< back, at any time
 };
 
-Course Run(const Overrides& set, double from_s = 5) {
+Course CourseOf(const Overrides& set, double from_s = 5) {
   const Scenario scenario = ScenarioIn(set);
   ScenarioDiagram scene(scenario);
   const Diagram diagram = scene.builder.Build();
   Simulator sim(diagram, {.integrator = scenario.integrator});
+  const NullSpaceControl& control = *scene.null_space;
   Course course;
+  Eigen::Vector3d last = sim.Get(control.target);
   while (sim.time() < scenario.duration_s) {
     sim.AdvanceThroughTick();
-    const NullSpaceControl& control = *scene.null_space;
+    const Eigen::Vector3d now = sim.Get(control.target);
+    const double step = (now - last).norm();
+    last = now;
     course.fell = course.fell || sim.Get(control.fallback);
     if (sim.time() < from_s) continue;
     const double singular = sim.Get(control.least_singular);
+    course.way += step;
     course.off_path = std::max(course.off_path, sim.Get(control.path_error).norm());
     course.off_turn = std::max(course.off_turn, sim.Get(control.orientation_error).norm());
     course.joints = std::max(course.joints, sim.Get(scene.arm->velocity).norm());
@@ -84,7 +90,7 @@ Overrides With(Overrides set, const Overrides& more) {
 // its 16 kg at the tool, ρ ω² = 0.025 m/s² takes 0.4 N: of D k_p k_ρ = 640 N/m 0.6 mm. 0.3 m off
 // the wrist it turns the tool with 0.12 N·m: of K_ω 8 mrad.
 TEST(NullSpaceControl, DrawsTheCircleWithAnIdealArm) {
-  const Course course = Run(kIdeal);
+  const Course course = CourseOf(kIdeal);
   EXPECT_LT(course.off_path, 1e-3);
   EXPECT_LT(course.off_turn, 0.01);
   EXPECT_FALSE(course.fell);
@@ -104,7 +110,7 @@ TEST(NullSpaceControl, GoesEveryWayThatIsOffered) {
            // 0.1 m (|K + iωD|/|K − mω² + iωD| − 1), 16 kg: 10 mm
            {"!Classical {position: [0.1, 0, 0], center: [0, 0, 0], normal: [0, 0, 1], speed: 0.5}",
             0.011}}) {
-    const Course course = Run(With(kIdeal, {{"controller.motion", motion}}));
+    const Course course = CourseOf(With(kIdeal, {{"controller.motion", motion}}));
     EXPECT_LT(course.off_path, off) << motion;
   }
 }
@@ -137,8 +143,8 @@ TEST(NullSpaceControl, RunsWithEveryNullSpacePart) {
        {"!None {}", "!Printed {}", "!Meant {}", "!Observer {}", "!Observer {tool_gain: 1}",
         "!Observer {null_space_gain: 0, tool_gain: 1, stiffness: 10}", "!LeastSquares {}",
         "!LeastSquares {at: {link: link_4}}"}) {
-    const Course course =
-        Run({{"controller.null_space", part}, {"controller.start_s", "1"}, {"duration_s", "7"}});
+    const Course course = CourseOf(
+        {{"controller.null_space", part}, {"controller.start_s", "1"}, {"duration_s", "7"}});
     EXPECT_LT(course.off_path, 0.6e-3 + kFriction.norm() / course.least_singular / 520) << part;
     EXPECT_LT(course.joints, 2 * 0.05 / course.least_singular) << part;
     EXPECT_FALSE(course.fell) << part;
@@ -148,13 +154,30 @@ TEST(NullSpaceControl, RunsWithEveryNullSpacePart) {
 // The torque that its motors leave out asks of the tool for a wrench: of 520 N/m for a way, of 40
 // N·m/rad for a turn. An arm of 8 kg on 5 cm adds 0.1 N.
 TEST(NullSpaceControl, DrivesTheMotorsOfAGen3) {
-  const Course course = Run({{"robot", "gen3"},
-                             {"controller.tool", "tool_frame"},
-                             {"controller.motion.radius", "0.05"},
-                             {"controller.orientation.damping", "[1, 1, 1]"},
-                             {"controller.orientation.stiffness", "[40, 40, 40]"}});
+  const Course course = CourseOf({{"robot", "gen3"},
+                                  {"controller.tool", "tool_frame"},
+                                  {"controller.motion.radius", "0.05"},
+                                  {"controller.orientation.damping", "[1, 1, 1]"},
+                                  {"controller.orientation.stiffness", "[40, 40, 40]"}});
   EXPECT_LT(course.off_path, 0.2e-3 + course.missing / 520);
   EXPECT_LT(course.off_turn, 1e-3 + course.missing / 40);
+  EXPECT_FALSE(course.fell);
+}
+
+// examples/circling_arm.yaml before its hand, 3 s at 1 rad/s on 6 to 8 cm; its D k_p is 160 N·s/m,
+// and its least stiffness D_z k_p k_P = 200 N/m.
+TEST(NullSpaceControl, TakesAGen3RoundTheOvalOfTheExample) {
+  const Course course =
+      CourseOf({{"robot", "gen3"},
+                {"controller.tool", "tool_frame"},
+                {"controller.motion",
+                 "!LimitCycle {radius: 0.07, harmonics: [{}, {cosine: -0.01}],"
+                 " angular_velocity: 1, radial_gain: 2, height_gain: 5}"},
+                {"controller.orientation", "{stiffness: [40, 40, 40], damping: [2, 2, 2]}"},
+                {"controller.null_space", "!Printed {damping_gain: 2}"}});
+  EXPECT_LT(course.off_path, 3e-3 + course.missing / 200);
+  EXPECT_GT(course.way, 3 * (0.06 - course.missing / 160));
+  EXPECT_LT(course.way, 3 * (0.085 + course.missing / 160));
   EXPECT_FALSE(course.fell);
 }
 
