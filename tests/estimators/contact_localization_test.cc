@@ -209,45 +209,6 @@ TEST(ContactLocalization, FindsTwoHandsAndEachKeepsItsPlace) {
   EXPECT_TRUE(rig.sight().seen[1]);
 }
 
-TEST(ContactLocalization, TellsHandsApartThatConvergeWhenOneOfThemLetsGo) {
-  // Along the forearm, from the elbow on: a hand that stays, and one that comes nearer than
-  // `separation`, 12 cm.
-  const auto near = [](double way) {
-    return Vector3d(-0.257 - 0.766 * way, 1.5, 0.617 - 0.643 * way);
-  };
-  for (const std::size_t stays : {0U, 1U}) {
-    Rig rig(kBeside);
-    std::array<ContactForce, 2> hand;
-    const auto apart = [&] {
-      return (rig.InWorld(hand[0], kStart) - rig.InWorld(hand[1], kStart)).norm();
-    };
-    for (int k = 0; k <= 40; ++k) {
-      hand = {rig.PushAt("link_4", near(0.1), kStart),
-              rig.PushAt("link_5", near(0.3 - 0.1 * std::min(k, 20) / 20), kStart)};
-      if (k == 0) ASSERT_GT(apart(), 0.14);
-      for (std::size_t i : {0U, 1U}) rig.sim->Set(rig.push[i]->value, hand[i]);
-      rig.Look();
-      ASSERT_EQ(rig.found().count(), 2) << apart();
-    }
-    ASSERT_LT(apart(), 0.115);
-    const std::size_t first =
-        (rig.InWorld(rig.found().at[0], kStart) - rig.InWorld(hand[0], kStart)).norm() < kHand ? 0
-                                                                                               : 1;
-    const std::array<std::size_t, 2> slot{first, 1 - first};
-    for (std::size_t i : {0U, 1U}) {
-      const Vector3d found = rig.InWorld(rig.found().at[slot[i]], kStart);
-      EXPECT_LT((found - rig.InWorld(hand[i], kStart)).norm(), kHand) << i;
-      EXPECT_TRUE(rig.sight().seen[slot[i]]) << i;
-    }
-    rig.sim->Set(rig.push[1 - stays]->value, ContactForce());
-    rig.Look(3);
-    EXPECT_EQ(rig.found().at[slot[1 - stays]].link, -1);
-    const Vector3d kept = rig.InWorld(rig.found().at[slot[stays]], kStart);
-    EXPECT_LT((kept - rig.InWorld(hand[stays], kStart)).norm(), kHand);
-    EXPECT_TRUE(rig.sight().seen[slot[stays]]);
-  }
-}
-
 TEST(ContactLocalization, TakesReadingsThatAreNoNumbersForNone) {
   // The same pictures, with 0, NaN, ±∞ or −1 m in every third pixel.
   const float inf = std::numeric_limits<float>::infinity();
