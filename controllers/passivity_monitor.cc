@@ -24,11 +24,9 @@ PassivityMonitor::PassivityMonitor(const Options& o)
       [](const Account& a) { return a.storage - a.first - a.supply; });
 }
 
-PassivityMonitor::Account PassivityMonitor::Next(const Account& last, double t, const RobotDynamics& d,
-                                                 const JointVelocity& qd_dot,
-                                                 const OrientationError& e_r,
-                                                 const LinearVelocity& e_p,
-                                                 const JointTorque& tau_e) const {
+PassivityMonitor::Account PassivityMonitor::Next(
+    const Account& last, double t, const RobotDynamics& d, const JointVelocity& qd_dot,
+    const OrientationError& e_r, const LinearVelocity& e_p, const JointTorque& tau_e) const {
   if (t < o_.from_s) return last;
   const PerJoint e_q = qd_dot - d.v;
   const PerJoint momentum = d.M.lazyProduct(e_q);

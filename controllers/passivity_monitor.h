@@ -22,8 +22,8 @@ namespace pliant {
 /// pushes along q̇, and where ë_p is filtered, sampled or late. M holds the rotors if `dynamics`
 /// does.
 ///
-/// The account begins at `from_s`; all is 0 until then. The integral is that of the trapezoidal rule over the samples: a smooth supply p makes it wrong
-/// by at most h²/12 ∫|p̈|.
+/// The account begins at `from_s`; all is 0 until then. The integral is that of the trapezoidal
+/// rule over the samples: a smooth supply p makes it wrong by at most h²/12 ∫|p̈|.
 ///
 /// Source: Yang, Wang & Kermani 2025 (NS), III-C.
 class PassivityMonitor final : public Block {

@@ -159,8 +159,8 @@ class NullSpaceControl final : public Composite {
     Eigen::Vector3d damping = Eigen::Vector3d(40, 40, 10);  ///< D, D_c [N·s/m]
     OrientationGains orientation = {};
     NullSpaceChoice null_space = {};
-    double damped_below = 0.05;  ///< σ₀ of the projector
-    double observer_gain = 50;   ///< K_I of the momentum observer [1/s]
+    double damped_below = 0.05;   ///< σ₀ of the projector
+    double observer_gain = 50;    ///< K_I of the momentum observer [1/s]
     double fallback_damping = 5;  ///< d [N·m·s/rad]
     TorqueLoopChoice torque_loop = {};
 

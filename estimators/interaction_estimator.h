@@ -40,8 +40,8 @@ struct InteractionPoint {
 ///
 ///   θ_k = λ θ_{k−1} + (1 − λ)/(1 + r₀ (1 − λ)) y_k
 ///
-/// which is a momentum observer with K_I = 1/T, exactly discretized, but for the part that r₀ takes:
-/// no other estimate under another name. What least squares add comes with a point.
+/// which is a momentum observer with K_I = 1/T, exactly discretized, but for the part that r₀
+/// takes: no other estimate under another name. What least squares add comes with a point.
 ///
 /// The momentum is that of MomentumObserver, with the rotors taken off in the same way.
 ///
