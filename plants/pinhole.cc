@@ -10,12 +10,16 @@ namespace {
 
 constexpr double kNoWay = 1e-6;  // [m], and of a sine: no direction to speak of
 
+void RequireFinite(const Eigen::Vector3d& p, const std::string& what) {
+  Require(p.allFinite(), what + " must be three finite numbers",
+          Text(p.x()) + " " + Text(p.y()) + " " + Text(p.z()));
+}
+
 }  // namespace
 
 Pose LookingAt(const Eigen::Vector3d& from, const Eigen::Vector3d& to, const Eigen::Vector3d& up) {
-  Require(from.allFinite(), "the position of a camera must be three finite numbers",
-          from.transpose());
-  Require(to.allFinite(), "what a camera looks at must be three finite numbers", to.transpose());
+  RequireFinite(from, "the position of a camera");
+  RequireFinite(to, "what a camera looks at");
   Require((to - from).norm() > kNoWay, "a camera looks at a point away from it", to.transpose());
   const Eigen::Vector3d forward = (to - from).normalized();
   Eigen::Vector3d right = forward.cross(up.normalized());
