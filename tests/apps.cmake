@@ -21,7 +21,7 @@ if(TARGET pliant)
   file(GLOB experiments CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR}/experiments
        ${PROJECT_SOURCE_DIR}/experiments/*.yaml)
   list(TRANSFORM experiments REPLACE "\\.yaml$" "")
-  list(REMOVE_ITEM experiments ec-fig5 rss-drop)
+  list(REMOVE_ITEM experiments ec-fig5 rss-drop ns-c)
   foreach(name ${experiments})
     add_test(NAME experiments/${name}
              COMMAND Python3::Interpreter -B ${CMAKE_CURRENT_SOURCE_DIR}/apps/experiments_test.py
