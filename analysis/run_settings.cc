@@ -56,7 +56,8 @@ std::string EstimatorOf(const ComplianceControl::Options& c) {
 
 std::string ContactsOf(const ContactSettings& c) {
   const auto text = [](const TaskMatrix& given, const std::string& unit) {
-    return given.size() == 0 ? std::string("natural") : MatrixText(given) + " " + unit;
+    return given.size() == 0 ? std::string("natural")
+                             : MatrixText(given) + (unit.empty() ? "" : " " + unit);
   };
   if (const auto* impedance = std::get_if<ContactImpedance::Gains>(&c.behavior))
     return "impedance at contacts: M_d " + text(impedance->inertia, "kg") + ", K_d " +
