@@ -41,14 +41,14 @@ struct ContactLawReport {
 /// The torque that does what contacts ask for and lets the rest of the arm come to rest. With A and
 /// b of all objectives that have a weight, one below the other:
 ///
-///   q̈_d = A#_M b + P q̈_0,   A#_M = M⁻¹ Aᵀ (A M⁻¹ Aᵀ)⁻¹,   P = I − A#_M A,   q̈_0 = −K_N q̇   (CF 2,
-///   4) τ_d = M q̈_d + C q̇ + g − Σ J_cᵀ F̂                                                   (CF
-///   19–26)
+///   q̈_d = A#_M b + P q̈_0,   q̈_0 = −K_N q̇                                              (CF 2)
+///   A#_M = M⁻¹ Aᵀ (A M⁻¹ Aᵀ)⁻¹,   P = I − A#_M A                                       (CF 4)
+///   τ_d = M q̈_d + C q̇ + g − Σ J_cᵀ F̂                                               (CF 19–26)
 ///
-/// sampled every h. A weight only says whether an objective counts. The inverse is regularised: an
-/// eigenvalue k of A M⁻¹ Aᵀ counts as 1/k from k₀ = 1/L on, and below as k/k₀², so where the arm
-/// cannot move (k = 0), or two objectives contradict each other, there is nothing, and no inertia
-/// exceeds L. P is a projector where no k lies between 0 and k₀.
+/// sampled every h. A weight only says whether an objective counts; one whose A is zero does not.
+/// The inverse is regularised: an eigenvalue k of A M⁻¹ Aᵀ counts as 1/k from k₀ = 1/L on, and
+/// below as k/k₀², so where the arm cannot move (k = 0), or two objectives contradict each other,
+/// there is nothing, and no inertia exceeds L. P is a projector where no k lies between 0 and k₀.
 ///
 /// As long as no objective counts the arm holds a posture by a damped spring,
 ///
