@@ -20,7 +20,7 @@ class StatusSensor final : public Block {
         .Compute(status)
         .From(mode, saturated, cut, stopped)
         .As([](ControlMode m, JointBits of_drives, JointBits of_firmware, int stops) {
-          return ArmStatus{m, of_drives | of_firmware, stops};
+          return ArmStatus{.mode = m, .saturated = of_drives | of_firmware, .stopped = stops};
         });
   }
   Input<ControlMode> mode;
@@ -67,6 +67,7 @@ ArmFirmware::Options Firmware(const SimulatedArm::Options& o, const ArmActuators
 
 SimulatedArm::SimulatedArm(const Options& o)
     : mode{this, "mode", {}, o.firmware.mode},
+      joint_modes{this, "joint_modes", {}, JointModes{}},
       position_command{this, "position_command", o.model.joints(), StartOf(o)},
       torque_command{this, "torque_command", o.model.joints(), JointTorque::Zero(o.model.joints())},
       current_command{this, "current_command", o.model.joints(),
@@ -78,6 +79,7 @@ SimulatedArm::SimulatedArm(const Options& o)
       measured_torque{this, "measured_torque", o.model.joints()},
       measured_current{this, "measured_current", o.model.joints()},
       wrench{this, "wrench", o.wrist ? Frame(o.wrist->frame) : Frame()},
+      wrench_valid{this, "wrench_valid"},
       status{this, "status"},
       position{this, "position", o.model.joints()},
       velocity{this, "velocity", o.model.joints()},
@@ -148,6 +150,8 @@ SimulatedArm::SimulatedArm(const Options& o)
     auto& none = Add<Constant<Wrench>>("wrist", {.value = Wrench()});
     Connect(none.y, wrench);
   }
+  auto& senses = Add<Constant<bool>>("senses", {.value = o.wrist.has_value()});
+  Connect(senses.y, wrench_valid);
   if (o.stops) {
     auto& stops = Add<JointStops>("stops", *o.stops);
     Connect(plant.position, stops.position);
@@ -159,6 +163,7 @@ SimulatedArm::SimulatedArm(const Options& o)
   }
 
   pass("mode", mode, firmware.mode, o.firmware.mode, {});
+  pass("joint_modes", joint_modes, firmware.joint_modes, JointModes{}, {});
   pass("position_command", position_command, firmware.position_command, o.position, joints);
   pass("torque_command", torque_command, firmware.torque_command, JointTorque::Zero(joints),
        joints);

@@ -46,6 +46,7 @@ class SimulatedArm final : public Composite {
   explicit SimulatedArm(const Options& o);
 
   Input<ControlMode> mode;
+  Input<JointModes> joint_modes;
   Input<JointPosition> position_command;
   Input<JointTorque> torque_command;
   Input<MotorCurrent> current_command;
@@ -57,6 +58,7 @@ class SimulatedArm final : public Composite {
   Output<JointTorque> measured_torque;
   Output<MotorCurrent> measured_current;
   Output<Wrench> wrench;  ///< in the wrist sensor's frame
+  Output<bool> wrench_valid;
   Output<ArmStatus> status;
 
   Output<JointPosition> position;  ///< what the plant does, not what sensors say of it

@@ -1,5 +1,6 @@
 #include "pliant/plants/arm_firmware.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "pliant/plants/kinova_lag.h"
@@ -9,6 +10,7 @@ namespace pliant {
 
 ArmFirmware::ArmFirmware(const Options& o)
     : mode{this, "mode", {}, o.mode},
+      joint_modes{this, "joint_modes", {}, JointModes{}},
       position_command{this, "position_command", o.joints, JointPosition::Zero(o.joints)},
       torque_command{this, "torque_command", o.joints, JointTorque::Zero(o.joints)},
       current_command{this, "current_command", o.joints, MotorCurrent::Zero(o.joints)},
@@ -32,6 +34,7 @@ ArmFirmware::ArmFirmware(const Options& o)
   RequireEachInRange("torque_limit", o.torque_limit, "N·m", kLimit, o.joints);
   RequireInRange("", "torque_feedforward", o.torque_feedforward, "", kNotNegative);
   RequireInRange("", "torque_feedback", o.torque_feedback, "", kNotNegative);
+  RequireInRange("", "torque_damping", o.torque_damping, "N·m·s/rad", kNotNegative);
   Require(o.torque_feedback == 0 || o.period == KinovaLag::period,
           "period must be " + KinovaLag::period.text() +
               " where torque_feedback is > 0: H is made for it",
@@ -45,8 +48,8 @@ ArmFirmware::ArmFirmware(const Options& o)
 
   Every(o.period)
       .Compute(state_)
-      .From(state_, work_, mode, position_command, torque_command, current_command, position,
-            motor_velocity, torque)
+      .From(state_, work_, mode, joint_modes, position_command, torque_command, current_command,
+            position, motor_velocity, torque)
       .As(&ArmFirmware::Next);
   Compute(current).From(state_).As(&ArmFirmware::Current);
   Compute(active).From(state_).As([](const State& s) { return s.mode; });
@@ -89,57 +92,63 @@ void ArmFirmware::Lead(State& next, const JointPosition& q_d) const {
 }
 
 ArmFirmware::State ArmFirmware::Next(const State& last, RobotDynamics& work, ControlMode asked,
-                                     const JointPosition& q_d, const JointTorque& tau_d,
-                                     const MotorCurrent& i_d, const JointPosition& q,
-                                     const JointVelocity& omega, const JointTorque& tau) const {
+                                     const JointModes& own, const JointPosition& q_d,
+                                     const JointTorque& tau_d, const MotorCurrent& i_d,
+                                     const JointPosition& q, const JointVelocity& omega,
+                                     const JointTorque& tau) const {
   State next = last;
-  const bool changed = last.fresh || asked != last.mode;
   Lead(next, q_d);
   next.mode = asked;
   next.fresh = false;
+  next.cut = 0;
   PerJoint g = PerJoint::Zero(q.size());
-  if (o_.compensated && asked != ControlMode::Current) {
+  if (o_.compensated) {
     ComputeDynamics(*o_.compensated, q, JointVelocity(PerJoint::Zero(q.size())), work);
     g = work.gravity;
   }
-  const auto limited = [this](const PerJoint& x) {
-    return PerJoint(x.cwiseMin(o_.torque_limit).cwiseMax(-o_.torque_limit));
-  };
-
-  PerJoint wanted = PerJoint::Zero(q.size());
-  switch (asked) {
-    case ControlMode::Position: {
-      const double h = seconds(o_.period);
-      const PerJoint error = next.reference - q;
-      const PerJoint pd = o_.position_stiffness.cwiseProduct(error) +
-                          o_.position_damping.cwiseProduct(next.step / h - omega);
-      if (changed) next.integral = last.torque - g - pd;
-      next.integral = limited(next.integral + h * o_.position_integral.cwiseProduct(error));
-      wanted = pd + next.integral + g;
-      break;
+  const double h = seconds(o_.period);
+  const auto& [b0, b1, b2] = KinovaLag::b;
+  const double a1 = KinovaLag::a[1], a2 = KinovaLag::a[2];
+  for (Eigen::Index j = 0; j < q.size(); ++j) {
+    const auto limited = [limit = o_.torque_limit(j)](double x) {
+      return std::max(std::min(x, limit), -limit);
+    };
+    ControlMode& mode = next.joint_mode[static_cast<std::size_t>(j)];
+    const bool changed = last.fresh || own.Of(static_cast<int>(j), asked) != mode;
+    mode = own.Of(static_cast<int>(j), asked);
+    double wanted = 0;
+    switch (mode) {
+      case ControlMode::Position: {
+        const double error = next.reference(j) - q(j);
+        const double pd = o_.position_stiffness(j) * error +
+                          o_.position_damping(j) * (next.step(j) / h - omega(j));
+        double& integral = next.integral(j);
+        if (changed) integral = last.torque(j) - g(j) - pd;
+        integral = limited(integral + h * (o_.position_integral(j) * error));
+        wanted = pd + integral + g(j);
+        break;
+      }
+      case ControlMode::Torque:
+      case ControlMode::TorqueHighVelocity: {
+        double &e1 = next.e1(j), &e2 = next.e2(j), &y1 = next.y1(j), &y2 = next.y2(j);
+        if (changed) e1 = e2 = y1 = y2 = 0;
+        const double e = tau_d(j) + g(j) - tau(j);
+        const double y = b0 * e + b1 * e1 + b2 * e2 - a1 * y1 - a2 * y2;
+        e2 = e1;
+        e1 = e;
+        y2 = y1;
+        y1 = y;
+        wanted = o_.torque_feedforward * tau_d(j) + g(j) + o_.torque_feedback * y;
+        if (mode == ControlMode::Torque) wanted -= o_.torque_damping * omega(j);
+        break;
+      }
+      case ControlMode::Current:
+        wanted = o_.torque_per_ampere(j) * i_d(j);
+        break;
     }
-    case ControlMode::Torque: {
-      if (changed)
-        for (PerJoint* memory : {&next.e1, &next.e2, &next.y1, &next.y2}) memory->setZero();
-      const auto& [b0, b1, b2] = KinovaLag::b;
-      const double a1 = KinovaLag::a[1], a2 = KinovaLag::a[2];
-      const PerJoint e = tau_d + g - tau;
-      const PerJoint y = b0 * e + b1 * next.e1 + b2 * next.e2 - a1 * next.y1 - a2 * next.y2;
-      next.e2 = next.e1;
-      next.e1 = e;
-      next.y2 = next.y1;
-      next.y1 = y;
-      wanted = o_.torque_feedforward * tau_d + g + o_.torque_feedback * y;
-      break;
-    }
-    case ControlMode::Current:
-      wanted = o_.torque_per_ampere.cwiseProduct(i_d);
-      break;
+    next.torque(j) = limited(wanted);
+    if (std::abs(wanted) > o_.torque_limit(j)) next.cut |= JointBits{1} << j;
   }
-  next.torque = limited(wanted);
-  next.cut = 0;
-  for (Eigen::Index j = 0; j < q.size(); ++j)
-    if (std::abs(wanted(j)) > o_.torque_limit(j)) next.cut |= JointBits{1} << j;
   return next;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <optional>
 
 #include "pliant/plants/arm_status.h"
@@ -11,9 +12,11 @@ namespace pliant {
 /// What an arm does by itself with its commands, every h:
 ///
 ///   Position   τ_m = k_p (r − q) + k_d (ṙ − ω) + ∫ k_i (r − q) dt + g
-///   Torque     τ_m = f τ_d + g + k H(z) (τ_d + g − τ)
+///   Torque     τ_m = f τ_d + g + k H(z) (τ_d + g − τ) − d ω
 ///   Current    τ_m = κ i_d
 ///   i = τ_m/κ, with ∫ and τ_m within ± τ_max
+///
+/// TorqueHighVelocity is Torque without d. Joints may be in a mode of their own.
 ///
 /// r goes in a straight line from one position command q_d to the next, within `command_period`. ω
 /// is the velocity of the rotors, κ the torque per ampere behind the gear. g is the gravity torque
@@ -32,6 +35,7 @@ class ArmFirmware final : public Block {
     PerJoint position_integral;     ///< k_i [N·m/(rad·s)], each ≥ 0
     double torque_feedforward = 1;  ///< f
     double torque_feedback = 0;     ///< k
+    double torque_damping = 0;      ///< d [N·m·s/rad]
     JointTorque torque_limit;       ///< of ∫ and τ_m [N·m], each > 0
     std::optional<RobotModel> compensated = {};
     JointTorque load = {};                   ///< what the motors carry before the first tick [N·m]
@@ -43,6 +47,7 @@ class ArmFirmware final : public Block {
   explicit ArmFirmware(const Options& o);
 
   Input<ControlMode> mode;
+  Input<JointModes> joint_modes;
   Input<JointPosition> position_command;  ///< q_d
   Input<JointTorque> torque_command;      ///< τ_d
   Input<MotorCurrent> current_command;    ///< i_d
@@ -55,19 +60,21 @@ class ArmFirmware final : public Block {
 
  private:
   struct State {
-    ControlMode mode = ControlMode::Torque;
-    JointTorque torque, integral;    ///< τ_m, ∫
-    JointPosition position_command;  ///< q_d of the tick before
-    JointPosition reference;         ///< r
-    PerJoint step;                   ///< of r in a tick [rad]
-    int steps = 0;                   ///< that are left until q_d
-    PerJoint e1, e2, y1, y2;         ///< H's memory
+    ControlMode mode = ControlMode::Torque;               ///< of the arm
+    std::array<ControlMode, kMaxJoints> joint_mode = {};  ///< of each joint
+    JointTorque torque, integral;                         ///< τ_m, ∫
+    JointPosition position_command;                       ///< q_d of the tick before
+    JointPosition reference;                              ///< r
+    PerJoint step;                                        ///< of r in a tick [rad]
+    int steps = 0;                                        ///< that are left until q_d
+    PerJoint e1, e2, y1, y2;                              ///< H's memory
     JointBits cut = 0;
     bool fresh = true;  ///< nothing was commanded yet
 
     template <class Visitor>
     void Fields(Visitor&& f) {
       f("mode", mode, "");
+      f("joint_mode", joint_mode, "");
       f("torque", torque, "N·m");
       f("integral", integral, "N·m");
       f("position_command", position_command, "rad");
@@ -84,9 +91,9 @@ class ArmFirmware final : public Block {
   };
 
   static State AtRest(const Options& o);
-  State Next(const State& last, RobotDynamics& work, ControlMode asked, const JointPosition& q_d,
-             const JointTorque& tau_d, const MotorCurrent& i_d, const JointPosition& q,
-             const JointVelocity& omega, const JointTorque& tau) const;
+  State Next(const State& last, RobotDynamics& work, ControlMode asked, const JointModes& own,
+             const JointPosition& q_d, const JointTorque& tau_d, const MotorCurrent& i_d,
+             const JointPosition& q, const JointVelocity& omega, const JointTorque& tau) const;
   void Lead(State& next, const JointPosition& q_d) const;
 
   MotorCurrent Current(const State& s) const {
