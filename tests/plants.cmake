@@ -4,6 +4,7 @@ find_package(urdfdom REQUIRED)
 find_package(SUNDIALS REQUIRED)
 
 pliant_test(plants/kdl_test.cc LIBRARIES pliant::plants PkgConfig::kdl urdfdom::urdfdom_model)
+pliant_test(plants/gen3_arm_test.cc LIBRARIES pliant::plants)
 pliant_test(plants/robot_model_test.cc LIBRARIES pliant::plants)
 pliant_test(plants/urdf_inertials_test.cc LIBRARIES pliant::plants)
 pliant_test(plants/urdf_test.cc LIBRARIES pliant::plants)

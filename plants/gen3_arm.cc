@@ -1,0 +1,302 @@
+#include "pliant/plants/gen3_arm.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "pliant/systems/elements.h"
+
+namespace pliant {
+
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;  // [rad]
+constexpr std::uint32_t kInFault = 4;               // ArmState
+constexpr std::uint32_t kMajorFault = 0x1000;       // StatusFlags
+constexpr int kMostAnswers = 16;                    // taken in a tick
+constexpr auto kServicePause = std::chrono::milliseconds(2);
+
+Gen3Mode ModeOf(ControlMode mode) {
+  switch (mode) {
+    case ControlMode::Torque:
+      return Gen3Mode::Torque;
+    case ControlMode::Current:
+      return Gen3Mode::Current;
+    case ControlMode::TorqueHighVelocity:
+      return Gen3Mode::TorqueHighVelocity;
+    case ControlMode::Position:
+      break;
+  }
+  return Gen3Mode::Position;
+}
+
+/// The part of x [°] in [−180°, 180°).
+double HalfTurn(double x) { return x - 360 * std::floor(x / 360 + 0.5); }
+
+/// On the wire [°]. Rounded to single precision it may be a whole turn, which is none.
+float OnWire(double q) {
+  const double turns = q / (2 * std::numbers::pi);
+  const auto degrees = static_cast<float>(360 * (turns - std::floor(turns)));
+  return degrees < 360 ? degrees : 0;
+}
+
+bool IsFinite(const Gen3Feedback& feedback) {
+  return std::ranges::all_of(feedback.actuator, [](const Gen3Feedback::Actuator& a) {
+    return std::isfinite(a.position) && std::isfinite(a.velocity) && std::isfinite(a.torque) &&
+           std::isfinite(a.current);
+  });
+}
+
+bool SameMeasurements(const Gen3Feedback& a, const Gen3Feedback& b) {
+  return std::ranges::equal(a.actuator, b.actuator, [](const auto& x, const auto& y) {
+    return x.position == y.position && x.velocity == y.velocity && x.torque == y.torque &&
+           x.current == y.current;
+  });
+}
+
+/// x within ± limit; what is no number stays as it was.
+float Within(double x, double limit, float before) {
+  return std::isfinite(x) ? static_cast<float>(std::clamp(x, -limit, limit)) : before;
+}
+
+}  // namespace
+
+Gen3Arm::Gen3Arm(Options o)
+    : o_{std::move(o)},
+      torque_limit_{o_.model.effort_limit()},
+      step_limit_{o_.model.velocity_limit() * seconds(o_.period)} {
+  Require(o_.link != nullptr, "link must be one");
+  Require(o_.model.size() == kGen3Joints, "model must have the 7 joints of a Gen3",
+          o_.model.size());
+  RequireEachInRange("current_limit", o_.current_limit, "A", kPositive, o_.model.joints());
+  Require(o_.frozen_after >= 0, "frozen_after must be >= 0", o_.frozen_after);
+  for (int j = 0; j < kGen3Joints; ++j)
+    if (o_.model.joint(j).type == Joint::Type::Continuous) continuous_ |= JointBits{1} << j;
+
+  if (o_.clear_faults) o_.link->ClearFaults();
+  const int count = o_.link->ActuatorCount();
+  if (count != kGen3Joints)
+    throw Error("the arm must have 7 actuators, as the model has, got " + Text(count));
+  if (o_.link->ArmState() == kInFault)
+    throw Error(
+        "the arm is in fault and takes no commands\n"
+        "see that it is safe to move it, then clear its faults: pliant recover gen3 "
+        "--clear-faults");
+  feedback_ = o_.link->Read();
+  Require(IsFinite(feedback_), "the arm must measure numbers, got some that are none");
+  const Joints& joints = o_.model.joints();
+  sample_ = {.position = JointPosition::Zero(joints),
+             .velocity = JointVelocity::Zero(joints),
+             .torque = JointTorque::Zero(joints),
+             .current = MotorCurrent::Zero(joints),
+             .temperature = JointTemperature::Zero(joints),
+             .status = {.mode = ControlMode::Position, .switching = (1U << kGen3Joints) - 1},
+             .report = {}};
+  Decode();
+  reference_ = sample_.position;
+}
+
+Gen3Arm::~Gen3Arm() {
+  try {
+    HandBack();
+  } catch (const std::exception&) {
+    // failures() has it; the arm leaves low-level servoing when its session runs out.
+  }
+}
+
+bool Gen3Arm::Moves(int joint) const noexcept {
+  const auto mode = mode_[static_cast<std::size_t>(joint)].load(std::memory_order_relaxed);
+  return mode != kNone && mode != static_cast<std::uint8_t>(Gen3Mode::Position);
+}
+
+/// What has just arrived, if it is new.
+void Gen3Arm::Take(const Gen3Feedback& arrived) noexcept {
+  // A forward distance of ids; their order goes round at 65536.
+  const auto ahead = static_cast<std::int16_t>(arrived.answers - newest_);
+  Gen3Report& report = sample_.report;
+  ++report.answered;
+  if (arrived.answers != sent_) ++report.late;
+  if (newest_ >= 0 && ahead <= 0) {
+    ++report.out_of_order;
+    return;
+  }
+  newest_ = arrived.answers;
+  if (!IsFinite(arrived)) {
+    ++report.not_finite;
+    return;
+  }
+  age_ = 0;
+  unchanged_ = SameMeasurements(arrived, feedback_) ? unchanged_ + 1 : 0;
+  feedback_ = arrived;
+  Decode();
+}
+
+void Gen3Arm::Decode() noexcept {
+  ArmStatus& status = sample_.status;
+  Gen3Report& report = sample_.report;
+  status.faulted = 0;
+  for (int j = 0; j < kGen3Joints; ++j) {
+    const auto i = static_cast<std::size_t>(j);
+    const Gen3Feedback::Actuator& a = feedback_.actuator[i];
+    double& q = sample_.position(j);
+    q = continuous_ >> j & 1 ? q + kDegree * HalfTurn(a.position - q / kDegree)
+                             : kDegree * HalfTurn(a.position);
+    sample_.velocity(j) = kDegree * a.velocity;
+    sample_.torque(j) = -static_cast<double>(a.torque);
+    sample_.current(j) = a.current;
+    sample_.temperature(j) = a.motor_temperature;
+    if (a.fault_a || a.fault_b || a.status_flags & kMajorFault) status.faulted |= JointBits{1} << j;
+    report.fault[i] = a.fault_a;
+    report.warning[i] = a.warning_a;
+    report.flags[i] = a.status_flags;
+  }
+  status.arm_faulted = feedback_.fault_a || feedback_.fault_b || feedback_.arm_state == kInFault;
+  report.base_fault = feedback_.fault_a;
+  report.base_warning = feedback_.warning_a;
+  report.arm_state = feedback_.arm_state;
+}
+
+const Gen3Sample& Gen3Arm::Latest() noexcept {
+  if (!begun_) return sample_;
+  ++age_;
+  for (int k = 0; k < kMostAnswers; ++k) {
+    const bool waits = newest_ != sent_;
+    if (!o_.link->Receive(arrived_, waits ? o_.lock_step : std::chrono::nanoseconds{0})) break;
+    Take(arrived_);
+  }
+  const Gen3Traffic traffic = o_.link->traffic();
+  Gen3Report& report = sample_.report;
+  report.sent = traffic.sent;
+  report.refused = traffic.refused;
+  report.unreadable = traffic.unreadable;
+  report.unsent = traffic.unsent;
+  ArmStatus& status = sample_.status;
+  status.age =
+      o_.frozen_after > 0 && unchanged_ > o_.frozen_after ? std::max(age_, unchanged_) : age_;
+  status.connected = !failed_;
+  const std::uint8_t wanted = wanted_;
+  status.switching = 0;
+  for (int j = 0; j < kGen3Joints; ++j)
+    if (!low_level_ || mode_[static_cast<std::size_t>(j)] != wanted)
+      status.switching |= JointBits{1} << j;
+  return sample_;
+}
+
+/// Position commands: held, led or measured, as the joint's mode wants it.
+void Gen3Arm::Steer(ControlMode mode, const JointPosition& q_d) noexcept {
+  for (int j = 0; j < kGen3Joints; ++j) {
+    const double before = reference_(j);
+    double& r = reference_(j);
+    if (Moves(j))
+      r = sample_.position(j);
+    else if (mode == ControlMode::Position && std::isfinite(q_d(j)))
+      r += std::clamp(q_d(j) - r, -step_limit_(j), step_limit_(j));
+    Gen3Command::Actuator& a = command_.actuator[static_cast<std::size_t>(j)];
+    a.position = OnWire(r);
+    a.velocity = Moves(j) ? 0 : static_cast<float>((r - before) / seconds(o_.period) / kDegree);
+  }
+}
+
+void Gen3Arm::Command(ControlMode mode, const JointPosition& q_d, const JointTorque& tau_d,
+                      const MotorCurrent& i_d) noexcept {
+  if (over_) return;
+  if (!IsMode(mode)) mode = ControlMode::Position;
+  wanted_ = static_cast<std::uint8_t>(ModeOf(mode));
+  sample_.status.mode = mode;
+  Steer(mode, q_d);
+  const bool torques = mode == ControlMode::Torque || mode == ControlMode::TorqueHighVelocity;
+  sample_.status.saturated = 0;
+  for (int j = 0; j < kGen3Joints; ++j) {
+    Gen3Command::Actuator& a = command_.actuator[static_cast<std::size_t>(j)];
+    const double tau = torques ? tau_d(j) : sample_.torque(j);
+    const double i = mode == ControlMode::Current ? i_d(j) : sample_.current(j);
+    if (!(std::abs(tau) <= torque_limit_(j)) || !(std::abs(i) <= o_.current_limit(j)))
+      sample_.status.saturated |= JointBits{1} << j;
+    a.torque = Within(tau, torque_limit_(j), a.torque);
+    a.current = Within(i, o_.current_limit(j), a.current);
+  }
+  if (!begun_) {
+    begun_ = true;
+    if (o_.lock_step.count() == 0)
+      services_ = std::jthread([this](const std::stop_token& stop) { Serve(stop); });
+  }
+  if (o_.lock_step.count() > 0)
+    while (!failed_ && ServeOne()) {
+    }
+  if (const int id = o_.link->Send(command_); id >= 0) sent_ = id;
+}
+
+bool Gen3Arm::Try(const char* what, const std::function<void()>& service) {
+  try {
+    service();
+    return true;
+  } catch (const std::exception& e) {
+    const std::lock_guard lock(failures_mutex_);
+    failures_ += (failures_.empty() ? "" : "\n") + std::string(what) + ": " + e.what();
+    failed_ = true;
+    return false;
+  }
+}
+
+/// The next service that is wanted; whether there was one.
+bool Gen3Arm::ServeOne() {
+  const std::uint8_t wanted = wanted_;
+  if (wanted == kNone) return false;
+  if (!low_level_) {
+    if (Try("low-level servoing", [&] { o_.link->SetServoing(Gen3Servoing::LowLevel); }))
+      low_level_ = true;
+    return true;
+  }
+  for (int j = 0; j < kGen3Joints; ++j) {
+    std::atomic<std::uint8_t>& mode = mode_[static_cast<std::size_t>(j)];
+    if (mode == wanted) continue;
+    if (Try("the mode of a joint", [&] { o_.link->SetMode(j, static_cast<Gen3Mode>(wanted)); }))
+      mode = wanted;
+    return true;
+  }
+  return false;
+}
+
+void Gen3Arm::Serve(const std::stop_token& stop) {
+  while (!stop.stop_requested() && !failed_)
+    if (!ServeOne()) std::this_thread::sleep_for(kServicePause);
+}
+
+void Gen3Arm::GiveBack() {
+  for (int j = 0; j < kGen3Joints; ++j)
+    if (Try("position mode of a joint", [&] { o_.link->SetMode(j, Gen3Mode::Position); }))
+      mode_[static_cast<std::size_t>(j)] = static_cast<std::uint8_t>(Gen3Mode::Position);
+  Try("the arm's own servoing", [&] { o_.link->SetServoing(Gen3Servoing::SingleLevel); });
+}
+
+void Gen3Arm::HandBack() {
+  if (over_.exchange(true) || !begun_) return;
+  if (services_.joinable()) {
+    services_.request_stop();
+    services_.join();
+  }
+  const bool worked = !failed_;
+  if (o_.lock_step.count() > 0) {
+    GiveBack();
+  } else {
+    std::atomic<bool> done{false};
+    const std::jthread services([&] {
+      GiveBack();
+      done = true;
+    });
+    while (!done) {  // torques and currents stay what they were
+      Latest();
+      Steer(ControlMode::Torque, sample_.position);
+      if (const int id = o_.link->Send(command_); id >= 0) sent_ = id;
+      std::this_thread::sleep_for(std::chrono::duration<double>(seconds(o_.period)));
+    }
+  }
+  if (worked && failed_) throw Error("the arm was not handed back whole\n" + failures());
+}
+
+std::string Gen3Arm::failures() const {
+  const std::lock_guard lock(failures_mutex_);
+  return failures_;
+}
+
+}  // namespace pliant
