@@ -95,6 +95,11 @@ void Simulator::AdvanceThroughTick() {
   Tick();
 }
 
+std::int64_t Simulator::next_tick_ns() const {
+  return plan_.rates.empty() ? std::numeric_limits<std::int64_t>::max()
+                             : context_.line_.due[NextRate()];
+}
+
 std::size_t Simulator::NextRate() const {
   const std::vector<std::int64_t>& due = context_.line_.due;
   std::size_t next = 0;

@@ -12,6 +12,8 @@
 
 namespace pliant {
 
+struct TickCost;
+
 /// Advances a diagram in time.
 ///
 /// Ticks fall on whole nanoseconds. At the instant of a tick:
@@ -55,6 +57,8 @@ class Simulator {
   void AdvanceThroughTick();
 
   double time() const { return context_.time(); }
+  /// When the next tick is [ns]; beyond any time if nothing ticks.
+  std::int64_t next_tick_ns() const;
 
   template <class V>
   const typename V::Signal& Get(const V& value) {
@@ -94,6 +98,9 @@ class Simulator {
   Integrator::Statistics statistics() const;
 
  private:
+  friend TickCost EstimateTickCost(const Diagram& diagram, int samples);
+  class TickMeter;
+
   static bool Rate(void* self, double t, std::span<const double> x, std::span<double> rate);
 
   void Start();
