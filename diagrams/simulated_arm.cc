@@ -8,25 +8,31 @@ namespace pliant {
 
 namespace {
 
+/// What the arm did with the commands of the tick before.
 class StatusSensor final : public Block {
  public:
-  explicit StatusSensor(Duration period)
+  StatusSensor(ControlMode before, Duration period)
       : mode{this, "mode"},
         saturated{this, "saturated"},
         cut{this, "cut"},
         stopped{this, "stopped", {}, 0},
-        status{this, "status"} {
+        status{this, "status", {}, {.mode = before}},
+        last_{this, "last", {}, {.mode = before}} {
     Every(period)
-        .Compute(status)
+        .Update(last_)
         .From(mode, saturated, cut, stopped)
         .As([](ControlMode m, JointBits of_drives, JointBits of_firmware, int stops) {
           return ArmStatus{.mode = m, .saturated = of_drives | of_firmware, .stopped = stops};
         });
+    Every(period).Compute(status).From(last_).As([](const ArmStatus& s) { return s; });
   }
   Input<ControlMode> mode;
   Input<JointBits> saturated, cut;
   Input<int> stopped;
   Output<ArmStatus> status;
+
+ private:
+  Discrete<ArmStatus> last_;
 };
 
 JointPosition StartOf(const SimulatedArm::Options& o) {
@@ -126,7 +132,7 @@ SimulatedArm::SimulatedArm(const Options& o)
   sampled.joints = joints;
   sampled.period = o.period;
   auto& sensors = Add<JointSensors>("sensors", sampled);
-  auto& status_sensor = Add<StatusSensor>("status", o.period);
+  auto& status_sensor = Add<StatusSensor>("status", o.firmware.mode, o.period);
   auto& energies = Add<Sum<double>>("energies", {});
   auto& losses = Add<Sum<double>>("losses", {});
   const auto pass = [&]<class S>(const std::string& name, const auto& from, auto& to,
@@ -199,7 +205,7 @@ SimulatedArm::SimulatedArm(const Options& o)
        joints);
   pass("measured_current", sensors.measured_current, measured_current, MotorCurrent::Zero(joints),
        joints);
-  pass("measured_status", status_sensor.status, status, ArmStatus{}, {});
+  pass("measured_status", status_sensor.status, status, ArmStatus{.mode = o.firmware.mode}, {});
   Connect(plant.position, position);
   Connect(plant.velocity, velocity);
   Connect(plant.acceleration, acceleration);
