@@ -1,5 +1,7 @@
 #include "pliant/systems/real_time_permissions.h"
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 #include <pthread.h>
 #include <sched.h>
 #include <sys/resource.h>
