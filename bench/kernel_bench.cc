@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <ctime>
 #include <memory>
@@ -14,6 +15,7 @@
 #include "pliant/systems/constant.h"
 #include "pliant/systems/gain.h"
 #include "pliant/systems/low_pass.h"
+#include "pliant/systems/real_time_runner.h"
 #include "pliant/systems/simulator.h"
 #include "pliant/tests/support/allocations.h"
 
@@ -168,7 +170,13 @@ class Plant final : public Block {
   Continuous<JointVelocity> v_;
 };
 
-void DiscreteCycle(benchmark::State& state) {
+/// controller ─▶ gain_1 ─▶ … ─▶ gain_20
+struct Cycle {
+  const Output<JointTorque>* last;
+  Diagram diagram;
+};
+
+Cycle MakeCycle() {
   DiagramBuilder b;
   auto& controller = b.Add<Controller>("controller");
   const Output<JointTorque>* last = &controller.torque;
@@ -178,16 +186,50 @@ void DiscreteCycle(benchmark::State& state) {
     b.Connect(*last, gain.u);
     last = &gain.y;
   }
-  const Diagram diagram = b.Build();
-  Simulator sim{diagram};
+  return {last, b.Build()};
+}
+
+void DiscreteCycle(benchmark::State& state) {
+  const Cycle cycle = MakeCycle();
+  Simulator sim{cycle.diagram};
   double t = 0;
   const AllocationCount count(state);
   for (auto _ : state) {
     sim.AdvanceTo(t += 1e-3);
-    benchmark::DoNotOptimize(sim.Get(*last).data());
+    benchmark::DoNotOptimize(sim.Get(*cycle.last).data());
   }
 }
 BENCHMARK(DiscreteCycle);
+
+/// What the runner adds to a tick: two looks at the clock and two counts. It is unpaced; in turns
+/// with the simulator alone, so that the load of the machine falls on both alike.
+void RunnerTick(benchmark::State& state) {
+  constexpr int kTicks = 10'000;
+  const Cycle cycle = MakeCycle();
+  Simulator alone{cycle.diagram}, run{cycle.diagram};
+  RealTimeRunner runner{run, {.paced = false}};
+  std::vector<double> overheads;
+  const auto measure = [](const auto& act) {
+    const auto start = std::chrono::steady_clock::now();
+    act();
+    return std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - start)
+               .count() /
+           kTicks;
+  };
+  double end = 0;
+  for (auto _ : state) {
+    end += 1e-3 * kTicks;
+    const double simulator = measure([&] {
+      for (int k = 0; k < kTicks; ++k) alone.AdvanceThroughTick();
+    });
+    overheads.push_back(measure([&] { runner.Run(end); }) - simulator);
+  }
+  if (runner.report().ticks != kTicks) state.SkipWithError("ticks were lost");
+  const auto middle = overheads.begin() + static_cast<std::ptrdiff_t>(overheads.size() / 2);
+  std::ranges::nth_element(overheads, middle);
+  state.counters["overhead_ns"] = *middle;
+}
+BENCHMARK(RunnerTick)->Unit(benchmark::kMillisecond);
 
 /// plant.velocity ─▶ filter ─▶ controller ─▶ plant
 struct Loop {

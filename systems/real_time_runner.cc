@@ -90,7 +90,6 @@ const RunReport& RealTimeRunner::Run(double end) {
   const RealTimePermissions permissions(options_.permissions);
   report_.refused = permissions.refused();
   report_.end = Loop(Nanoseconds(end));
-  report_.behind = 1e-9 * static_cast<double>(report_.skipped * period_);
   const std::string now = "t = " + Text(sim_.time()) + " s";
   if (report_.end == RunEnd::TimeReached) report_.reason = "its end was reached, " + now;
   if (report_.end == RunEnd::StopAsked) report_.reason = "it was asked to stop at " + now;
@@ -141,6 +140,7 @@ std::int64_t RealTimeRunner::Miss(std::int64_t periods) {
   }
   const std::int64_t skipped = std::max<std::int64_t>(0, periods - catch_up_);
   report_.skipped += skipped;
+  report_.behind = 1e-9 * static_cast<double>(report_.skipped * period_);
   report_.missed += skipped + (periods > skipped ? 1 : 0);
   return skipped;
 }

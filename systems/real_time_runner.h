@@ -49,14 +49,14 @@ struct RunReport {
 ///   m_k = ⌊L_k / p⌋                              p: the shortest period of the diagram
 ///   S_{k+1} = S_k + p max(0, m_k − c)            c = 0 to skip, `catch_up` to catch up
 ///
-/// All in whole nanoseconds. m_k − c ticks are skipped, and tick k is missed too where L_k ≥ p is
-/// left of its lateness. The values of the run are those of Simulator::AdvanceTo, bit for bit, also
-/// with continuous states: these advance to t_k when tick k begins.
+/// All in whole nanoseconds. Periods that are skipped count as missed, and so does tick k if it is
+/// still a period late after that. The values of the run are those of Simulator::AdvanceTo, bit for
+/// bit, also with continuous states: these advance to t_k when tick k begins.
 ///
-/// The loop does not allocate, lock or throw, and its only system call is the sleep, where reading
-/// the clock is none (as on Linux with the clock source tsc or arch_sys_counter). That holds as far
-/// as the rules keep to it; SUNDIALS throws what Simulator::AdvanceTo throws, which ends the run
-/// and is passed on. Permissions are given back in any case.
+/// The loop by itself does not allocate, lock or throw, and its only system call is the sleep: the
+/// clock is read through the vDSO, which makes none if the clock source can be read by programs, as
+/// tsc can. What the rules do is theirs. An integrator that cannot go on throws as in AdvanceTo;
+/// that ends the run and is passed on. Permissions are given back in any case.
 class RealTimeRunner {
  public:
   struct Options {

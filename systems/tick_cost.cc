@@ -88,12 +88,12 @@ class Simulator::TickMeter {
     }
     for (auto& [block, cost] : blocks) {
       cost.path = block->path();
-      total.cost += cost.cost;
       total.blocks.push_back(std::move(cost));
     }
     std::ranges::sort(total.blocks, [](const TickCost::Block& a, const TickCost::Block& b) {
       return a.cost != b.cost ? a.cost > b.cost : a.path < b.path;
     });
+    for (const TickCost::Block& block : total.blocks) total.cost += block.cost;
     return total;
   }
 

@@ -8,16 +8,16 @@
 
 namespace pliant {
 
-/// Counts spans of time [ns] in buckets of a fixed relative width: below 64 ns one for each
-/// nanosecond, from there on 32 for each doubling, up to 2⁴⁰ ns = 18 min, where the last one takes
-/// all that is longer:
+/// Counts spans of time [ns] in buckets of a fixed relative width: below 256 ns one for each
+/// nanosecond, from there on 128 for each doubling, up to 2⁴⁰ ns = 18 min; the last one takes all
+/// that is longer:
 ///
-///   v = (32 + m) 2^e + r,   0 ≤ m < 32,   0 ≤ r < 2^e:   bucket 32 (e + 1) + m
+///   v = (128 + m) 2^e + r,   0 ≤ m < 128,   0 ≤ r < 2^e:   bucket 128 (e + 1) + m
 ///
 /// All room is taken at the start; to count does not allocate.
 class TimeHistogram {
  public:
-  static constexpr double kRelativeWidth = 1.0 / 32;  ///< of a bucket, at most
+  static constexpr double kRelativeWidth = 1.0 / 128;  ///< of a bucket, at most
 
   TimeHistogram() : buckets_(kBuckets, 0) {}
 
@@ -39,7 +39,7 @@ class TimeHistogram {
   bool operator==(const TimeHistogram&) const = default;
 
  private:
-  static constexpr int kBits = 5, kLongest = 40;
+  static constexpr int kBits = 7, kLongest = 40;
   static constexpr std::size_t kBuckets = std::size_t{kLongest - kBits + 1} << kBits;
 
   static std::size_t BucketOf(std::int64_t ns) noexcept {

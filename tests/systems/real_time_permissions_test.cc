@@ -1,11 +1,13 @@
 #include "pliant/systems/real_time_permissions.h"
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 #include <pthread.h>
 #include <sched.h>
 #include <sys/resource.h>
 
 #include <fstream>
-#include <thread>
+#include <vector>
 
 #include "pliant/tests/support/error_of.h"
 #include "pliant/tests/support/in_a_child.h"
@@ -111,19 +113,17 @@ TEST(RealTimePermissions, TellWhichProcessorsThereAre) {
 }
 
 TEST(RealTimePermissions, LeaveAThreadWithASmallStackAlone) {
-  std::thread([] {
-    pthread_attr_t attributes;
-    pthread_attr_init(&attributes);
-    pthread_attr_setstacksize(&attributes, 128 * 1024);
-    pthread_t thread;
-    const auto lock = [](void*) -> void* {
-      const RealTimePermissions permissions({.lock_memory = true});
-      return nullptr;
-    };
-    ASSERT_EQ(pthread_create(&thread, &attributes, lock, nullptr), 0);
-    pthread_join(thread, nullptr);
-    pthread_attr_destroy(&attributes);
-  }).join();
+  pthread_attr_t attributes;
+  pthread_attr_init(&attributes);
+  pthread_attr_setstacksize(&attributes, 128 * 1024);
+  pthread_t thread;
+  const auto lock = [](void*) -> void* {
+    const RealTimePermissions permissions({.lock_memory = true});
+    return nullptr;
+  };
+  ASSERT_EQ(pthread_create(&thread, &attributes, lock, nullptr), 0);
+  pthread_join(thread, nullptr);
+  pthread_attr_destroy(&attributes);
 }
 
 TEST(RealTimePermissions, RefuseWhatNoMachineGives) {

@@ -1,5 +1,7 @@
 #include "pliant/systems/tick_cost.h"
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <chrono>
 

@@ -1,5 +1,8 @@
 #include "pliant/systems/tick_timing.h"
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include "pliant/systems/logger.h"
 #include "pliant/systems/real_time_runner.h"
 #include "pliant/tests/support/error_of.h"

@@ -1,11 +1,12 @@
 #include "pliant/systems/time_histogram.h"
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <cmath>
 #include <random>
 #include <vector>
 
-#include "pliant/systems/time_text.h"
 #include "pliant/tests/support/error_of.h"
 
 namespace pliant {
@@ -32,8 +33,8 @@ TEST(TimeHistogram, QuantilesAreExactWithinABucket) {
   }
 }
 
-TEST(TimeHistogram, IsExactBelow64Nanoseconds) {
-  for (std::int64_t ns = 0; ns < 64; ++ns) {
+TEST(TimeHistogram, IsExactBelow256Nanoseconds) {
+  for (std::int64_t ns = 0; ns < 256; ++ns) {
     TimeHistogram histogram;
     histogram.Count(ns);
     histogram.Count(1000);
@@ -77,17 +78,6 @@ TEST(TimeHistogram, RefusesWhatIsNoQuantile) {
   EXPECT_EQ(ErrorOf([&] { histogram.Quantile(99); }), "a quantile is from 0 to 1, got 99");
   EXPECT_EQ(ErrorOf([&] { histogram.Quantile(std::nan("")); }),
             "a quantile is from 0 to 1, got nan");
-}
-
-TEST(TimeText, HasThreeDigitsAndTheUnitThatFits) {
-  EXPECT_EQ(TimeText(0), "0 ns");
-  EXPECT_EQ(TimeText(850e-9), "850 ns");
-  EXPECT_EQ(TimeText(999.6e-9), "1 µs");
-  EXPECT_EQ(TimeText(21.34e-6), "21.3 µs");
-  EXPECT_EQ(TimeText(1e-3), "1 ms");
-  EXPECT_EQ(TimeText(1.5), "1.5 s");
-  EXPECT_EQ(TimeText(-2e-6), "-2 µs");
-  EXPECT_EQ(TimeText(12345), "12345 s");
 }
 
 }  // namespace
