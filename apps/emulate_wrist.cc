@@ -37,6 +37,10 @@ std::vector<FaultOrder> FaultsOf(const Told& told) {
   return faults;
 }
 
+void RequireForce(const Told& told) {
+  for (const double newtons : told.force) RequireInRange("", "--force", newtons, "N", kAnyNumber);
+}
+
 /// A push that comes and goes: F (1 − cos 2π t/T)/2.
 Wrench PushAt(const Told& told, double t) {
   const double part = 0.5 * (1 - std::cos(2 * std::numbers::pi * t / told.push_s));
@@ -45,7 +49,6 @@ Wrench PushAt(const Told& told, double t) {
 
 template <class Emulator>
 void Emulate(const Told& told, Duration period, Emulator& emulator) {
-  for (const double newtons : told.force) RequireInRange("", "--force", newtons, "N", kAnyNumber);
   std::fflush(stdout);
   Pace(period, told.duration_s, [&](std::int64_t k) {
     emulator.Tick(PushAt(told, 1e-9 * static_cast<double>(period.Times(k))));
@@ -54,6 +57,7 @@ void Emulate(const Told& told, Duration period, Emulator& emulator) {
 
 int EmulateRdt(const Told& told) {
   constexpr Duration period = 1ms;
+  RequireForce(told);
   RdtEmulator emulator(
       {.bind = told.bind, .port = told.port, .period = period, .faults = FaultsOf(told)});
   std::printf("listening at %s:%d\n", told.bind.c_str(), emulator.port());
@@ -64,6 +68,7 @@ int EmulateRdt(const Told& told) {
 
 int EmulateBota(const Told& told) {
   constexpr Duration period = 1250us;
+  RequireForce(told);
   BotaEmulator emulator({.period = period, .faults = FaultsOf(told)});
   std::printf("%s\n", emulator.path().c_str());
   Emulate(told, period, emulator);

@@ -54,9 +54,10 @@ void MakeRaw(int port) {
 
 BotaSource::BotaSource(const Options& o)
     : period_us_{1e6 * seconds(o.period)},
-      silence_{o.silence},
+      silence_{seconds(o.silence)},
       heard_{std::chrono::steady_clock::now()} {
   Require(Duration{} < o.period, "period must be > 0", o.period.text());
+  Require(Duration{} < o.silence, "silence must be > 0", o.silence.text());
   const std::string name = o.device.string();
   Require(!name.empty(), "device must be the serial port of a force sensor, such as /dev/ttyUSB0");
   port_ = open(name.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);

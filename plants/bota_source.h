@@ -11,7 +11,7 @@
 namespace pliant {
 
 /// A Bota sensor at a serial port, or at what stands for one: a pseudo terminal. It sends by
-/// itself; nothing is asked of it.
+/// itself; nothing is asked of it. An adapter that is unplugged is silent from then on.
 ///
 /// Frames are in order by the sensor's clock; how many are lost is the time between two of them in
 /// periods. A time that is a second behind or a minute ahead, or behind at all after a silence, is
@@ -21,7 +21,7 @@ class BotaSource final : public WrenchSource {
   struct Options {
     std::filesystem::path device;  ///< such as "/dev/ttyUSB0"
     Duration period = 1250us;      ///< of the sensor's frames, for counting those lost
-    std::chrono::milliseconds silence{100};
+    Duration silence = 100ms;      ///< after which it may have begun anew
   };
 
   /// Throws Error if there is no such device, it is none, or it may not be opened.
@@ -36,7 +36,7 @@ class BotaSource final : public WrenchSource {
   bool Take(const BotaFrame& frame, WrenchReading& newest) noexcept;
 
   const double period_us_;
-  const std::chrono::steady_clock::duration silence_;
+  const std::chrono::duration<double> silence_;
   int port_ = -1;
   BotaParser parser_;
   LinkCounts link_;

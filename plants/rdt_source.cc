@@ -40,13 +40,13 @@ int ConnectTo(const std::string& host, int port) {
 
 }  // namespace
 
-RdtSource::RdtSource(const Options& o) : scale_{o.scale}, patience_{o.ask_again} {
+RdtSource::RdtSource(const Options& o) : scale_{o.scale}, patience_{seconds(o.ask_again)} {
   Require(!o.host.empty(), "host must be the address of a force sensor, such as 192.168.1.1");
   Require(o.port >= 1 && o.port <= 65535, "port must be from 1 to 65535", o.port);
   RequireInRange("", "scale.counts_per_newton", scale_.counts_per_newton, "1/N", kPositive);
   RequireInRange("", "scale.counts_per_newton_meter", scale_.counts_per_newton_meter, "1/(N·m)",
                  kPositive);
-  Require(o.ask_again.count() > 0, "ask_again must be > 0 ms", o.ask_again.count());
+  Require(Duration{} < o.ask_again, "ask_again must be > 0", o.ask_again.text());
   socket_ = ConnectTo(o.host, o.port);
   Ask(RdtCommand::Start);
 }

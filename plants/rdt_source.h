@@ -6,6 +6,7 @@
 
 #include "pliant/plants/rdt_frame.h"
 #include "pliant/plants/wrench_source.h"
+#include "pliant/systems/time.h"
 
 namespace pliant {
 
@@ -22,7 +23,7 @@ class RdtSource final : public WrenchSource {
     std::string host;  ///< such as "192.168.1.1"
     int port = kRdtPort;
     RdtScale scale = {};
-    std::chrono::milliseconds ask_again{100};  ///< after that much silence
+    Duration ask_again = 100ms;  ///< after that much silence
   };
 
   /// Throws Error if the host is not known or the network not there; a sensor that does not answer
@@ -39,7 +40,7 @@ class RdtSource final : public WrenchSource {
   bool Take(const RdtRecord& record, WrenchReading& newest) noexcept;
 
   const RdtScale scale_;
-  const std::chrono::steady_clock::duration patience_;
+  const std::chrono::duration<double> patience_;
   int socket_ = -1;
   std::chrono::steady_clock::time_point heard_;  // or asked, whichever is later
   LinkCounts link_;

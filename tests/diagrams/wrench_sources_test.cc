@@ -402,7 +402,7 @@ TEST(RdtSource, SaysWhatIsWrongWithAnAddress) {
   EXPECT_EQ(error({.host = "127.0.0.1", .scale = {.counts_per_newton = 0}}),
             "scale.counts_per_newton must be > 0 1/N, got 0");
   EXPECT_EQ(error({.host = "127.0.0.1", .ask_again = milliseconds(0)}),
-            "ask_again must be > 0 ms, got 0");
+            "ask_again must be > 0, got 0 s");
   // Broadcasts are for those that ask for them.
   EXPECT_THAT(error({.host = "255.255.255.255"}),
               testing::AllOf(HasSubstr("cannot reach the force sensor '255.255.255.255': "),
@@ -437,6 +437,7 @@ TEST(BotaSource, SaysWhatIsWrongWithADevice) {
   EXPECT_EQ(error({.device = "/dev/null"}),
             "'/dev/null' is no serial port; expected one such as /dev/ttyUSB0");
   EXPECT_EQ(error({.device = "/dev/null", .period = 0ms}), "period must be > 0, got 0 s");
+  EXPECT_EQ(error({.device = "/dev/null", .silence = 0ms}), "silence must be > 0, got 0 s");
 }
 
 /// The end of a pseudo terminal that a sensor would have.

@@ -89,6 +89,25 @@ TEST(ComplementaryFusion, SplitsFrequenciesAtTheObserversGain) {
     }
 }
 
+// Bit for bit: what nobody takes for lost is added as it always was.
+TEST(ComplementaryFusion, IsTheEquationWhileTheSensorIsValid) {
+  BlockTester<ComplementaryFusion> t(Options());
+  RandomStates random(Gen3(), 6);
+  const PerJoint decay = (-kGain * kPeriod).array().exp();
+  PerJoint low = PerJoint::Zero(2), last;
+  for (int k = 0; k < 1000; ++k) {
+    const JointTorque r = random.Uniform(10).head(2), tau_s = random.Uniform(10).head(2);
+    if (k > 0)
+      low = decay.cwiseProduct(low) +
+            (1 - decay.array()).matrix().cwiseProduct(PerJoint(0.5 * (tau_s + last)));
+    last = tau_s;
+    t.Set(t->residual, r);
+    t.Set(t->sensor_torque, tau_s);
+    t.Tick();
+    ASSERT_EQ(t.Get(t->external_torque), JointTorque(r + tau_s - low)) << k;
+  }
+}
+
 // After any loss: what the sensor showed before and meanwhile, NaN included, is nowhere in the sum.
 TEST(ComplementaryFusion, IsTheObserversWhileTheSensorIsNotValid) {
   RandomStates random(Gen3(), 5);

@@ -95,6 +95,25 @@ TEST(SuperTwistingFusion, TakesTheSensorsOffsetOff) {
   EXPECT_LE(settled, 3 * offset / k3);  // as the observer of a step
 }
 
+// Bit for bit: what nobody takes for lost is added as it always was.
+TEST(SuperTwistingFusion, IsTheObserverWithAKnownTorqueWhileTheSensorIsValid) {
+  const double L = 50;
+  BlockTester<SuperTwistingFusion> t(Options(L));
+  BlockTester<SuperTwistingObserver> alone(
+      {.joints = kJoints, .rate = PerJoint::Constant(2, L), .period = 1ms});
+  RandomStates random(Gen3(), 73);
+  PerJoint last = PerJoint::Zero(2);
+  for (int k = 0; k < 1000; ++k) {
+    const double p = random.Uniform(0.01)(0), tau = random.Uniform(3)(0);
+    const PerJoint tau_s = PerJoint::Constant(2, random.Uniform(5)(0));
+    const PerJoint sigma = Tick(alone, p, tau + 0.5 * (tau_s(0) + last(0)));
+    last = tau_s;
+    t.Set(t->sensor_torque, tau_s);
+    ASSERT_EQ(Tick(t, p, tau), sigma) << k;
+    ASSERT_EQ(t.Get(t->external_torque), JointTorque(tau_s + sigma)) << k;
+  }
+}
+
 // A sensor that follows what acts, off by an offset, is lost for a while and comes back off by
 // another: neither moves the sum by more than the observer moves it in a tick, and both outputs go
 // on saying what they say.
