@@ -28,5 +28,10 @@ void AddIdentifyCommands(CLI::App& app, std::vector<Command>& commands);  ///< i
 void AddIdentifyDynamics(CLI::App& app, std::vector<Command>& commands);  ///< identify dynamics
 void AddDoctor(CLI::App& app, std::vector<Command>& commands);
 void AddPad(CLI::App& app, std::vector<Command>& commands);
+void AddEmulate(CLI::App& app, std::vector<Command>& commands);
+
+/// Devices of `emulate`.
+void AddEmulateRdt(CLI::App& emulate, std::vector<Command>& commands);
+void AddEmulateBota(CLI::App& emulate, std::vector<Command>& commands);
 
 }  // namespace pliant

@@ -209,6 +209,7 @@ ComplianceControl::ComplianceControl(const Options& o)
       measured_torque{this, "measured_torque", o.model.joints()},
       true_torque{this, "true_torque", o.model.joints(), JointTorque::Zero(o.model.joints())},
       wrench{this, "wrench", {}, Wrench()},
+      wrench_valid{this, "wrench_valid", {}, true},
       measured_current{this, "measured_current", o.model.joints(),
                        MotorCurrent::Zero(o.model.joints())},
       contacts{this, "contacts"},
@@ -337,6 +338,7 @@ ComplianceControl::ComplianceControl(const Options& o)
   Connect(measured_torque, estimate.torque);
   Connect(true_torque, estimate.true_torque);
   Connect(wrench, estimate.wrench);
+  Connect(wrench_valid, estimate.wrench_valid);
   Connect(dynamics.dynamics, external.dynamics);
   Connect(dynamics.dynamics, pose.dynamics);
   Connect(dynamics.dynamics, posture.dynamics);

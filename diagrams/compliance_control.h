@@ -213,6 +213,7 @@ class ComplianceControl final : public Composite {
   Input<JointTorque> measured_torque;
   Input<JointTorque> true_torque;        ///< τ_e; 0 if not connected
   Input<Wrench> wrench;                  ///< of the wrist sensor; 0 if not connected
+  Input<bool> wrench_valid;              ///< true if not connected
   Input<MotorCurrent> measured_current;  ///< read with modes.control only
   InputList<ContactForce> contacts;      ///< of the environment
   /// Of the camera, if `contacts` are seen.
@@ -225,7 +226,7 @@ class ComplianceControl final : public Composite {
   Output<JointAcceleration> acceleration;  ///< q̈_d
   Output<JointTorque> external_torque;     ///< τ̂_e
   Output<JointTorque> residual;            ///< of the observer
-  Output<Wrench> contact;                  ///< at the wrist, without the tool
+  Output<Wrench> contact;                  ///< at the wrist, without the tool; 0 without a reading
   Output<bool> yields;                     ///< the supervisor, in the mode Dual
   Output<ArmControl> arm_control;          ///< what moves the arm
   Output<ControlMode> arm_mode;            ///< the mode it is to be in for that

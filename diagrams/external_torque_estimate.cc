@@ -14,6 +14,7 @@ ExternalTorqueEstimate::ExternalTorqueEstimate(const Options& o)
       torque{this, "torque", o.model.joints()},
       true_torque{this, "true_torque", o.model.joints(), JointTorque::Zero(o.model.joints())},
       wrench{this, "wrench", {}, Wrench()},
+      wrench_valid{this, "wrench_valid", {}, true},
       external_torque{this, "external_torque", o.model.joints()},
       residual{this, "residual", o.model.joints()},
       contact{this, "contact"} {
@@ -34,6 +35,7 @@ ExternalTorqueEstimate::ExternalTorqueEstimate(const Options& o)
         "tool", {.model = o.model, .frame = o.wrist->frame, .tool = o.wrist->tool});
     wrist = &Add<WristTorque>("wrist", {.model = o.model, .frame = o.wrist->frame});
     Connect(wrench, tool.measured);
+    Connect(wrench_valid, tool.measured_valid);
     Connect(dynamics, tool.dynamics);
     Connect(tool.contact, wrist->contact);
     Connect(dynamics, wrist->dynamics);
@@ -63,6 +65,7 @@ ExternalTorqueEstimate::ExternalTorqueEstimate(const Options& o)
           {.joints = joints, .rate = rate, .period = o.period, .rotor_inertia = o.rotor_inertia});
       observed_by(fusion);
       Connect(wrist->torque, fusion.sensor_torque);
+      Connect(wrench_valid, fusion.sensor_valid);
       Connect(fusion.external_torque, external_torque);
       return;
     }
@@ -88,6 +91,7 @@ ExternalTorqueEstimate::ExternalTorqueEstimate(const Options& o)
         Add<ComplementaryFusion>("fusion", {.joints = joints, .gain = gain, .period = o.period});
     Connect(observer.residual, fusion.residual);
     Connect(wrist->torque, fusion.sensor_torque);
+    Connect(wrench_valid, fusion.sensor_valid);
     Connect(fusion.external_torque, external_torque);
   }
 }

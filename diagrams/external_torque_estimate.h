@@ -38,6 +38,10 @@ struct WristTool {
 ///
 ///   dynamics, torque ─▶ observer ─▶ residual ───▶ fusion ─▶ external_torque
 ///   wrench ─▶ tool ─▶ contact ─▶ wrist ─▶ τ_s ─────┘
+///
+/// While the wrench is not valid `contact` is 0 and the fusions give what their observer says
+/// alone; the estimate Sensor, which has none, gives 0. When it is valid again the fusions go on
+/// without a jump.
 class ExternalTorqueEstimate final : public Composite {
  public:
   struct Options {
@@ -56,9 +60,10 @@ class ExternalTorqueEstimate final : public Composite {
   Input<JointTorque> torque;            ///< τ, as measured
   Input<JointTorque> true_torque;       ///< τ_e; 0 if not connected
   Input<Wrench> wrench;                 ///< as measured at the wrist; 0 if not connected
+  Input<bool> wrench_valid;             ///< true if not connected
   Output<JointTorque> external_torque;  ///< τ̂_e
   Output<JointTorque> residual;         ///< of the observer; 0 without one
-  Output<Wrench> contact;               ///< at the wrist, without the tool; 0 without a sensor
+  Output<Wrench> contact;               ///< at the wrist, without the tool; 0 without a reading
 };
 
 }  // namespace pliant

@@ -15,6 +15,10 @@ namespace pliant {
 ///
 /// so where τ_s = τ_e and changes evenly over each sample, the sum is τ_e exactly.
 ///
+/// While the sensor is not valid, τ̂_e = r. When it is valid again the high-pass begins anew from
+/// what it shows then, l = τ_s, so that tick has τ̂_e = r as well and nothing jumps; τ_s may be
+/// anything before.
+///
 /// Source: Celerier et al. 2025 (26).
 class ComplementaryFusion final : public Block {
  public:
@@ -31,12 +35,16 @@ class ComplementaryFusion final : public Block {
     JointTorque low;   ///< l
     JointTorque last;  ///< τ_s
     bool started = false;
+    bool sensed = false;  ///< the sensor is valid at this tick
+    bool adds = false;    ///< and is part of the sum
 
     template <class Visitor>
     void Fields(Visitor&& f) {
       f("low", low, "N·m");
       f("last", last, "N·m");
       f("started", started, "");
+      f("sensed", sensed, "");
+      f("adds", adds, "");
     }
   };
 
@@ -44,11 +52,12 @@ class ComplementaryFusion final : public Block {
 
   Input<JointTorque> residual;          ///< r
   Input<JointTorque> sensor_torque;     ///< τ_s
+  Input<bool> sensor_valid;             ///< true if not connected
   Output<JointTorque> external_torque;  ///< τ̂_e
 
  private:
-  Memory Next(const Memory& last, const JointTorque& tau_s) const;
-  JointTorque Fuse(const JointTorque& r, const Memory& m) const { return r + m.last - m.low; }
+  Memory Next(const Memory& last, const JointTorque& tau_s, bool valid) const;
+  JointTorque Fuse(const JointTorque& r, const Memory& m) const;
 
   const PerJoint decay_;  // e^{−K h}
   Output<Memory> memory_;

@@ -17,30 +17,75 @@ class SensorTerms final : public Block {
   explicit SensorTerms(const Options& o)
       : torque{this, "torque", o.joints},
         sensor_torque{this, "sensor_torque", o.joints},
-        residual{this, "residual", o.joints},
+        observed{this, "observed", o.joints},
+        sensor_valid{this, "sensor_valid", {}, true},
         known{this, "known", o.joints},
         external_torque{this, "external_torque", o.joints},
+        residual{this, "residual", o.joints},
+        taken_{this,
+               "taken",
+               o.joints,
+               {JointTorque::Zero(o.joints), JointTorque::Zero(o.joints),
+                JointTorque::Zero(o.joints)}},
         last_{this, "last", o.joints} {
     const PeriodicEvent tick = Every(o.period);
-    tick.Compute(known).From(torque, sensor_torque, last_).As(&SensorTerms::Known);
+    tick.Compute(taken_).From(taken_, sensor_torque, sensor_valid).As(&SensorTerms::Take);
+    tick.Compute(known).From(torque, taken_, last_).As(&SensorTerms::Known);
     tick.Compute(external_torque)
-        .From(sensor_torque, residual)
-        .As([](const JointTorque& tau_s, const JointTorque& sigma) {
-          return JointTorque(tau_s + sigma);
+        .From(taken_, observed)
+        .As([](const Taken& taken, const JointTorque& sigma) {
+          return JointTorque(taken.s + sigma);
         });
-    tick.Update(last_).From(sensor_torque).As([](const JointTorque& tau_s) { return tau_s; });
+    tick.Compute(residual)
+        .From(taken_, observed)
+        .As([](const Taken& taken, const JointTorque& sigma) {
+          return JointTorque(sigma + taken.beyond);
+        });
+    tick.Update(last_).From(taken_).As([](const Taken& taken) { return taken.s; });
   }
 
-  Input<JointTorque> torque, sensor_torque, residual;
-  Output<JointTorque> known, external_torque;
+  Input<JointTorque> torque, sensor_torque, observed;
+  Input<bool> sensor_valid;
+  Output<JointTorque> known, external_torque, residual;
 
  private:
-  JointTorque Known(const JointTorque& tau, const JointTorque& tau_s,
-                    const JointTorque& last) const {
-    return tau + 0.5 * (tau_s + last);
+  /// What is taken for the sensor's torque.
+  struct Taken {
+    using Space = Joints;
+    static constexpr Quantity quantity{"sensor torque", "N·m"};
+
+    JointTorque s;
+    JointTorque offset;  ///< o
+    JointTorque beyond;  ///< s − τ_s, with 0 for the τ_s of a sensor that is not valid
+    bool valid = true;
+
+    template <class Visitor>
+    void Fields(Visitor&& f) {
+      f("s", s, "N·m");
+      f("offset", offset, "N·m");
+      f("beyond", beyond, "N·m");
+      f("valid", valid, "");
+    }
+  };
+
+  Taken Take(const Taken& last, const JointTorque& tau_s, bool valid) const {
+    if (!valid) return {last.s, last.offset, last.s, false};
+    Taken now = last;
+    now.valid = true;
+    if (last.valid)
+      now.s = tau_s - last.offset;
+    else
+      now.offset = tau_s - last.s;
+    now.beyond = now.s - tau_s;
+    return now;
   }
 
-  Discrete<JointTorque> last_;  // τ_s,k−1; the observer does not read `known` at its first tick
+  JointTorque Known(const JointTorque& tau, const Taken& taken, const JointTorque& last) const {
+    return tau + 0.5 * (taken.s + last);
+  }
+
+  Output<Taken> taken_;
+  Discrete<JointTorque> last_;  // s_{k−1}; the observer does not read `known` at its first tick
 };
 
 }  // namespace
@@ -49,6 +94,7 @@ SuperTwistingFusion::SuperTwistingFusion(const Options& o)
     : dynamics{this, "dynamics", o.joints},
       torque{this, "torque", o.joints},
       sensor_torque{this, "sensor_torque", o.joints},
+      sensor_valid{this, "sensor_valid", {}, true},
       residual{this, "residual", o.joints},
       external_torque{this, "external_torque", o.joints} {
   auto& sensor = Add<SensorTerms>("sensor", {.joints = o.joints, .period = o.period});
@@ -58,10 +104,11 @@ SuperTwistingFusion::SuperTwistingFusion(const Options& o)
 
   Connect(torque, sensor.torque);
   Connect(sensor_torque, sensor.sensor_torque);
+  Connect(sensor_valid, sensor.sensor_valid);
   Connect(dynamics, observer.dynamics);
   Connect(sensor.known, observer.torque);
-  Connect(observer.residual, sensor.residual);
-  Connect(observer.residual, residual);
+  Connect(observer.residual, sensor.observed);
+  Connect(sensor.residual, residual);
   Connect(sensor.external_torque, external_torque);
 }
 

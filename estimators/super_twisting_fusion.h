@@ -32,6 +32,16 @@ namespace pliant {
 /// τ_e − τ_s holds what touches the arm before the sensor, the noise and offset of the sensor, what
 /// moves the tool, and, of a push that rises at V, what the sensor's delay holds back: up to V.
 ///
+/// While the sensor is not valid, its last torque stands in for τ_s. What it was is then no more
+/// than an offset of σ, which is found with it: τ̂_e is what the observer alone says that goes on
+/// from there. What the sensor shows when it is valid again is off from what stood in for it by an
+/// offset o, and is taken off by that from then on, so that nothing jumps:
+///
+///   s_k = τ_s,k − o while valid,   s_k = s_{k−1} otherwise,   τ̂_e = s + σ_o,   σ = σ_o + s − τ_s
+///
+/// with σ_o of the equations above, s for τ_s. Until the first loss o = 0; while not valid, τ_s = 0
+/// in what is shown as σ, which is τ̂_e.
+///
 /// Source: SuperTwistingObserver; Celerier et al. 2025, sec. VI, which names the combination.
 class SuperTwistingFusion final : public Composite {
  public:
@@ -45,9 +55,10 @@ class SuperTwistingFusion final : public Composite {
   explicit SuperTwistingFusion(const Options& o);
 
   Input<RobotDynamics> dynamics;
-  Input<JointTorque> torque;            ///< τ, as measured
-  Input<JointTorque> sensor_torque;     ///< τ_s
-  Output<JointTorque> residual;         ///< σ, an estimate of τ_e − τ_s
+  Input<JointTorque> torque;         ///< τ, as measured
+  Input<JointTorque> sensor_torque;  ///< τ_s
+  Input<bool> sensor_valid;          ///< true if not connected
+  Output<JointTorque> residual;      ///< σ, an estimate of τ_e − τ_s; of τ_e while not valid
   Output<JointTorque> external_torque;  ///< τ̂_e
 };
 

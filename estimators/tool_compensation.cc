@@ -78,16 +78,18 @@ Wrench RestingWrench(const ToolParameters& tool, const Matrix3d& R_WS, const Vec
 
 ToolCompensation::ToolCompensation(const Options& o)
     : measured{this, "measured", Frame(o.frame)},
+      measured_valid{this, "measured_valid", {}, true},
       dynamics{this, "dynamics", o.model.joints()},
       tool{this, "tool", {}, Checked(o.tool)},
       contact{this, "contact", Frame(o.frame)},
       model_{o.model},
       link_{o.model.link_index(o.frame)} {
-  Compute(contact).From(measured, dynamics, tool).As(&ToolCompensation::Compensate);
+  Compute(contact).From(measured, measured_valid, dynamics, tool).As(&ToolCompensation::Compensate);
 }
 
-Wrench ToolCompensation::Compensate(const Wrench& W, const RobotDynamics& d,
+Wrench ToolCompensation::Compensate(const Wrench& W, bool valid, const RobotDynamics& d,
                                     const ToolParameters& now) const {
+  if (!valid) return {};
   return W - RestingWrench(now, LinkPose(model_, d, link_).rotation, model_.gravity());
 }
 

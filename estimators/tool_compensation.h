@@ -37,7 +37,8 @@ Wrench RestingWrench(const ToolParameters& tool, const Eigen::Matrix3d& R_WS,
 ///
 ///   W_e = W − W_0,
 ///
-/// in the sensor's frame. What moves the tool, m c̈ and I ω̇, is left in it.
+/// in the sensor's frame. What moves the tool, m c̈ and I ω̇, is left in it. While the reading is
+/// not valid W_e = 0, whatever W is.
 class ToolCompensation final : public Block {
  public:
   struct Options {
@@ -49,12 +50,14 @@ class ToolCompensation final : public Block {
   explicit ToolCompensation(const Options& o);
 
   Input<Wrench> measured;
+  Input<bool> measured_valid;  ///< true if not connected
   Input<RobotDynamics> dynamics;
   Input<ToolParameters> tool;
   Output<Wrench> contact;
 
  private:
-  Wrench Compensate(const Wrench& W, const RobotDynamics& d, const ToolParameters& tool) const;
+  Wrench Compensate(const Wrench& W, bool valid, const RobotDynamics& d,
+                    const ToolParameters& tool) const;
 
   const RobotModel model_;
   const int link_;

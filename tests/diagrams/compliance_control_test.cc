@@ -7,6 +7,7 @@
 #include "pliant/diagrams/scenario.h"
 #include "pliant/estimators/momentum_observer.h"
 #include "pliant/plants/model_dynamics.h"
+#include "pliant/systems/block_tester.h"
 #include "pliant/systems/simulator.h"
 #include "pliant/tests/plants/arms.h"
 #include "pliant/tests/support/allocations.h"
@@ -199,6 +200,30 @@ TEST(ComplianceControl, YieldsWhileTheToolIsPushedHardAndStaysWhereItIsLeft) {
   const Eigen::Vector3d last = sim.Get(scene.arm->motion).frame[0].pose.position;
   EXPECT_GT((last - first).norm(), 0.01) << "it went where it was pushed";
   EXPECT_LT(sim.Get(scene.control->pose_error).norm(), 1e-3) << "and stays there";
+}
+
+// A hard push that the sensor showed last, of which nothing is known any more.
+TEST(ComplianceControl, LeavesAWrenchThatIsNotValidAlone) {
+  ComplianceControl::Options o{.model = RobotModel::FromUrdf(kGen3BotaFile),
+                               .position = {0, 0.26, 3.14, -2.27, 0, 0.96, 1.57},
+                               .wrist = WristTool{.frame = "FT_sensor_wrench"},
+                               .tool = "FT_sensor_wrench"};
+  o.modes.emplace().mode = ComplianceMode::Dual;
+  for (const bool valid : {true, false}) {
+    BlockTester<ComplianceControl> t(o);
+    t.Set(t->measured_position, o.position);
+    t.Set(t->measured_velocity, JointVelocity::Zero(o.model.joints()));
+    t.Set(t->measured_torque, JointTorque::Zero(o.model.joints()));
+    t.Set(t->wrench, {0, 0, 0, 0, 0, 30});
+    t.Set(t->wrench_valid, valid);
+    bool yielded = false;
+    for (int k = 0; k < 200; ++k) {
+      t.Tick();
+      yielded = yielded || t.Get(t->yields);
+    }
+    EXPECT_EQ(yielded, valid);
+    EXPECT_EQ(t.Get(t->contact), valid ? Wrench({0, 0, 0, 0, 0, 30}) : Wrench());
+  }
 }
 
 TEST(ComplianceControl, GivesWayThroughPositionsAsThroughTorques) {

@@ -2,8 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "pliant/diagrams/scenario.h"
+#include "pliant/systems/block_tester.h"
 #include "pliant/systems/simulator.h"
+#include "pliant/tests/plants/arms.h"
 
 namespace pliant {
 namespace {
@@ -57,6 +61,43 @@ TEST(ExternalTorqueEstimate, FindsAPushBeforeTheSensorUnlessTheSensorIsAlone) {
   for (const auto estimate : {TorqueEstimate::Sensor, TorqueEstimate::Zero}) {
     const Pushed run(estimate, "forearm_link");
     EXPECT_NEAR(run.error, run.size, 0.05 * run.size) << static_cast<int>(estimate);
+  }
+}
+
+/// Estimates of a Gen3 at rest, with any torques and any contact, while the sensor comes and goes.
+TEST(ExternalTorqueEstimate, IsTheObserversWhileTheWrenchIsNotValid) {
+  const RobotModel model = RobotModel::FromUrdf(kGen3BotaFile);
+  RobotDynamics d(model);
+  const JointPosition q{0, 0.26, 3.14, -2.27, 0, 0.96, 1.57};
+  ComputeDynamics(model, q, JointVelocity::Zero(model.joints()), d);
+  for (const auto estimate : {TorqueEstimate::Observer, TorqueEstimate::Fusion,
+                              TorqueEstimate::SuperTwistingFusion, TorqueEstimate::Sensor}) {
+    BlockTester<ExternalTorqueEstimate> t({.model = model,
+                                           .period = 1ms,
+                                           .estimate = estimate,
+                                           .wrist = WristTool{.frame = "FT_sensor_wrench"}});
+    RandomStates random(model, 19);
+    t.Set(t->dynamics, d);
+    for (int k = 0; k < 60; ++k) {
+      const bool valid = k / 20 != 1;
+      const Wrench contact = random.Uniform(20).head<6>();
+      t.Set(t->torque, random.tau());
+      t.Set(t->wrench, valid ? contact : Wrench(Vector6::Constant(std::nan(""))));
+      t.Set(t->wrench_valid, valid);
+      t.Tick();
+      const JointTorque& found = t.Get(t->external_torque);
+      ASSERT_TRUE(found.allFinite());
+      if (valid) {
+        ASSERT_EQ(t.Get(t->contact), contact);
+        continue;
+      }
+      ASSERT_EQ(t.Get(t->contact), Wrench());
+      if (estimate == TorqueEstimate::Sensor) {
+        ASSERT_EQ(found, JointTorque::Zero(model.joints())) << k;
+      } else {
+        ASSERT_EQ(found, t.Get(t->residual)) << k;
+      }
+    }
   }
 }
 

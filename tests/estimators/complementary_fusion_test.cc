@@ -89,6 +89,71 @@ TEST(ComplementaryFusion, SplitsFrequenciesAtTheObserversGain) {
     }
 }
 
+// Bit for bit: what nobody takes for lost is added as it always was.
+TEST(ComplementaryFusion, IsTheEquationWhileTheSensorIsValid) {
+  BlockTester<ComplementaryFusion> t(Options());
+  RandomStates random(Gen3(), 6);
+  const PerJoint decay = (-kGain * kPeriod).array().exp();
+  PerJoint low = PerJoint::Zero(2), last;
+  for (int k = 0; k < 1000; ++k) {
+    const JointTorque r = random.Uniform(10).head(2), tau_s = random.Uniform(10).head(2);
+    if (k > 0)
+      low = decay.cwiseProduct(low) +
+            (1 - decay.array()).matrix().cwiseProduct(PerJoint(0.5 * (tau_s + last)));
+    last = tau_s;
+    t.Set(t->residual, r);
+    t.Set(t->sensor_torque, tau_s);
+    t.Tick();
+    ASSERT_EQ(t.Get(t->external_torque), JointTorque(r + tau_s - low)) << k;
+  }
+}
+
+// After any loss: what the sensor showed before and meanwhile, NaN included, is nowhere in the sum.
+TEST(ComplementaryFusion, IsTheObserversWhileTheSensorIsNotValid) {
+  RandomStates random(Gen3(), 5);
+  for (const int lost : {1, 2, 10}) {
+    BlockTester<ComplementaryFusion> t(Options());
+    for (int k = 0; k < 40; ++k) {
+      const bool valid = k < 20 || k >= 20 + lost;
+      const JointTorque r = random.Uniform(10).head(2), tau_s = random.Uniform(10).head(2);
+      t.Set(t->residual, r);
+      t.Set(t->sensor_torque, valid ? tau_s : JointTorque(PerJoint::Constant(2, std::nan(""))));
+      t.Set(t->sensor_valid, valid);
+      t.Tick();
+      if (!valid || k == 20 + lost) {
+        ASSERT_EQ(t.Get(t->external_torque), r) << k << ": exactly, with no rounding";
+      } else {
+        ASSERT_TRUE(t.Get(t->external_torque).allFinite()) << k;
+      }
+    }
+  }
+}
+
+// From the first valid tick on it is a high-pass that had seen its first value for ever: of a
+// constant it passes nothing, and of what comes later what a fresh one passes of the difference.
+TEST(ComplementaryFusion, BeginsAnewWithoutAJumpWhenTheSensorIsBack) {
+  for (const bool from_the_start : {false, true}) {
+    BlockTester<ComplementaryFusion> t(Options()), fresh(Options());
+    t.Set(t->residual, JointTorque::Zero(kJoints));
+    fresh.Set(fresh->residual, JointTorque::Zero(kJoints));
+    t.Set(t->sensor_torque, PerJoint::Constant(2, 3));
+    if (!from_the_start)
+      for (int k = 0; k < 5; ++k) t.Tick();
+    t.Set(t->sensor_valid, false);
+    for (int k = 0; k < 5; ++k) t.Tick();
+    t.Set(t->sensor_valid, true);
+    for (int k = 0; k < 200; ++k) {
+      const double more = k == 0 ? 0 : std::sin(0.1 * k);
+      t.Set(t->sensor_torque, PerJoint::Constant(2, 7 + more));
+      fresh.Set(fresh->sensor_torque, PerJoint::Constant(2, more));
+      t.Tick();
+      fresh.Tick();
+      const PerJoint difference = t.Get(t->external_torque) - fresh.Get(fresh->external_torque);
+      ASSERT_LT(difference.cwiseAbs().maxCoeff(), 200 * 8 * 2.3e-16) << k;  // ε of 8 N·m a tick
+    }
+  }
+}
+
 TEST(ComplementaryFusion, ObeysTheLawsOfBlocks) {
   ExpectBlockLaws(BlockTester<ComplementaryFusion>(Options()));
 }

@@ -95,6 +95,90 @@ TEST(SuperTwistingFusion, TakesTheSensorsOffsetOff) {
   EXPECT_LE(settled, 3 * offset / k3);  // as the observer of a step
 }
 
+// Bit for bit: what nobody takes for lost is added as it always was.
+TEST(SuperTwistingFusion, IsTheObserverWithAKnownTorqueWhileTheSensorIsValid) {
+  const double L = 50;
+  BlockTester<SuperTwistingFusion> t(Options(L));
+  BlockTester<SuperTwistingObserver> alone(
+      {.joints = kJoints, .rate = PerJoint::Constant(2, L), .period = 1ms});
+  RandomStates random(Gen3(), 73);
+  PerJoint last = PerJoint::Zero(2);
+  for (int k = 0; k < 1000; ++k) {
+    const double p = random.Uniform(0.01)(0), tau = random.Uniform(3)(0);
+    const PerJoint tau_s = PerJoint::Constant(2, random.Uniform(5)(0));
+    const PerJoint sigma = Tick(alone, p, tau + 0.5 * (tau_s(0) + last(0)));
+    last = tau_s;
+    t.Set(t->sensor_torque, tau_s);
+    ASSERT_EQ(Tick(t, p, tau), sigma) << k;
+    ASSERT_EQ(t.Get(t->external_torque), JointTorque(tau_s + sigma)) << k;
+  }
+}
+
+// A sensor that follows what acts, off by an offset, is lost for a while and comes back off by
+// another: neither moves the sum by more than the observer moves it in a tick, and both outputs go
+// on saying what they say.
+TEST(SuperTwistingFusion, DoesNotJumpWhenTheSensorIsLostOrBack) {
+  const double L = 100, h = kPeriod, a = 10, w = 5;  // a w < L
+  BlockTester<SuperTwistingFusion> t(Options(L));
+  double last = 0;
+  for (int k = 0; k <= 3000; ++k) {
+    const double s = k * h, acts = a * std::sin(w * s), p = a / w * (1 - std::cos(w * s));
+    const bool valid = k < 1000 || k >= 2000;
+    t.Set(t->sensor_torque, PerJoint::Constant(2, !valid     ? std::nan("")
+                                                  : k < 1000 ? acts + 1
+                                                             : acts - 4));
+    t.Set(t->sensor_valid, valid);
+    Tick(t, p, 0);
+    const double found = t.Get(t->external_torque)(0), sigma = t.Get(t->residual)(0);
+    if (k > 200) {
+      // The observer alone tells the mean over the sample, half a sample late, and with the sensor
+      // what is now, but for h²/12 a w²: one to the other is a sample and a half.
+      ASSERT_NEAR(found, acts, 0.5 * h * a * w + 1e-4) << k;
+      ASSERT_LE(std::abs(found - last), 1.5 * h * a * w + 1e-4) << k;
+      const double rest = !valid ? acts : k < 1000 ? -1 : 4;
+      ASSERT_NEAR(sigma, rest, 0.5 * h * a * w + 1e-4) << k;
+    }
+    if (!valid) {
+      ASSERT_EQ(found, sigma) << k << ": the observer's alone";
+    }
+    last = found;
+  }
+}
+
+// The first tick with a sensor again is, bit for bit, one without.
+TEST(SuperTwistingFusion, IsTheObserversAtTheTickTheSensorIsBack) {
+  RandomStates random(Gen3(), 9);
+  for (const int lost : {1, 2, 10}) {
+    BlockTester<SuperTwistingFusion> back(Options(50)), gone(Options(50));
+    for (int k = 0; k <= 20 + lost; ++k) {
+      const double p = random.Uniform(0.01)(0), tau = random.Uniform(3)(0);
+      const JointTorque tau_s = random.Uniform(5).head(2);
+      for (auto* t : {&back, &gone}) {
+        (*t).Set((*t)->sensor_torque, tau_s);
+        (*t).Set((*t)->sensor_valid, k < 20 || (t == &back && k == 20 + lost));
+        Tick(*t, p, tau);
+      }
+      ASSERT_EQ(back.Get(back->external_torque), gone.Get(gone->external_torque)) << k;
+    }
+  }
+}
+
+TEST(SuperTwistingFusion, WithoutAValidSensorIsTheObserverFromTheStart) {
+  const double L = 50;
+  BlockTester<SuperTwistingFusion> t(Options(L));
+  BlockTester<SuperTwistingObserver> alone(
+      {.joints = kJoints, .rate = PerJoint::Constant(2, L), .period = 1ms});
+  RandomStates random(Gen3(), 71);
+  t.Set(t->sensor_torque, PerJoint::Constant(2, 30));
+  t.Set(t->sensor_valid, false);
+  for (int k = 0; k < 1000; ++k) {
+    const double p = random.Uniform(0.01)(0), tau = random.Uniform(3)(0);
+    const PerJoint expected = Tick(alone, p, tau);
+    ASSERT_EQ(Tick(t, p, tau), expected) << k;
+    ASSERT_EQ(t.Get(t->external_torque), expected) << k;
+  }
+}
+
 TEST(SuperTwistingFusion, TakesRotorsOffTheMomentum) {
   SuperTwistingFusion::Options o = Options(100);
   o.rotor_inertia = PerJoint::Constant(2, 0.75);

@@ -237,6 +237,17 @@ struct Rig {
   }
 };
 
+TEST(ToolCompensation, IsZeroWhileTheReadingIsNotValid) {
+  const RobotModel m = Gen3Bota();
+  RandomStates random(m, 96);
+  BlockTester<ToolCompensation> t(
+      ToolCompensation::Options{.model = m, .frame = kFrame, .tool = Tool()});
+  t.Set(t->dynamics, Resting(m, random.q()));
+  t.Set(t->measured, Wrench{NAN, 1, 1, 1, 1, 1});
+  t.Set(t->measured_valid, false);
+  EXPECT_EQ(t.Get(t->contact), Wrench());
+}
+
 TEST(ToolCompensation, ShowsAPushOnceAGen3HasIdentifiedItsTool) {
   Rig rig;
   const RobotModel& m = rig.model;

@@ -1,0 +1,74 @@
+#include "pliant/diagrams/bota_emulator.h"
+
+#include <fcntl.h>
+#include <stdlib.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <optional>
+
+#include "pliant/systems/error.h"
+
+namespace pliant {
+
+namespace {
+
+/// One bit, another one each time.
+void FlipABit(PacketFaults::Packet& packet, std::uint32_t number) {
+  const std::size_t bit = number % (8 * packet.size());
+  packet[bit / 8] = static_cast<std::uint8_t>(packet[bit / 8] ^ 1U << bit % 8);
+}
+
+}  // namespace
+
+BotaEmulator::BotaEmulator(const Options& o) : options_{o}, faults_{o.faults, FlipABit} {
+  ours_ = posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+  std::array<char, 128> name{};
+  if (ours_ >= 0 && grantpt(ours_) == 0 && unlockpt(ours_) == 0 &&
+      ptsname_r(ours_, name.data(), name.size()) == 0)
+    theirs_ = open(name.data(), O_RDWR | O_NOCTTY | O_CLOEXEC);
+  if (theirs_ < 0) {
+    const int error = errno;
+    if (ours_ >= 0) close(ours_);
+    throw Error(std::string("there is no pseudo terminal: ") + std::strerror(error) +
+                "; /dev/pts must be mounted and have one left");
+  }
+  path_ = name.data();
+  termios tty{};
+  tcgetattr(theirs_, &tty);
+  cfmakeraw(&tty);  // or it would echo
+  tcsetattr(theirs_, TCSANOW, &tty);
+}
+
+BotaEmulator::~BotaEmulator() {
+  close(theirs_);
+  close(ours_);
+}
+
+void BotaEmulator::Tick(const Wrench& wrench) {
+  const double t = 1e-9 * static_cast<double>(options_.period.Times(tick_));
+  const bool on = !Shows(options_.faults, "silent", t);
+  if (!on) on_since_ = tick_ + 1;
+  if (on && !Shows(options_.faults, "frozen", t)) {
+    for (int i = 0; i < 3; ++i) {
+      frame_.torque[static_cast<std::size_t>(i)] = static_cast<float>(wrench(i));
+      frame_.force[static_cast<std::size_t>(i)] = static_cast<float>(wrench(i + 3));
+    }
+    frame_.timestamp_us =
+        static_cast<std::uint32_t>(options_.period.Times(tick_ - on_since_) / 1000);
+    frame_.temperature = 30;
+  }
+  ++tick_;
+  std::optional<PacketFaults::Packet> packet;
+  if (on) {
+    const auto bytes = Encode(frame_);
+    packet.emplace(bytes.begin(), bytes.end());
+  }
+  for (const PacketFaults::Packet& each : faults_.Pass(t, std::move(packet)))
+    sent_ += write(ours_, each.data(), each.size()) == static_cast<ssize_t>(each.size());
+}
+
+}  // namespace pliant
