@@ -65,7 +65,8 @@ struct Gen3Traffic {
 ///
 /// Services take up to seconds, throw Error with what the arm answered, and may be called from any
 /// thread but that of the exchange. The exchange is for one thread and its ticks: it neither
-/// allocates nor throws nor waits longer than it is told.
+/// allocates nor throws nor waits longer than it is told. `Read` shares its way with the exchange:
+/// before it or after it, not beside it.
 class Gen3Link {
  public:
   virtual ~Gen3Link() = default;
@@ -89,6 +90,8 @@ class Gen3Link {
   virtual bool Receive(Gen3Feedback& feedback, std::chrono::nanoseconds patience) noexcept = 0;
 
   virtual Gen3Traffic traffic() const noexcept = 0;
+  /// False once services cannot be called any more, whatever the exchange does.
+  virtual bool connected() const noexcept { return true; }
 
  protected:
   Gen3Link() = default;

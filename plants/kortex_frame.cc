@@ -47,9 +47,11 @@ bool Skip(CodedInputStream& in, std::uint32_t tag) {
   }
 }
 
-bool ReadWords(CodedInputStream& in, std::array<std::uint32_t, 4>& words) {
+/// `end` is where the bytes do: a stream of protobuf takes one that ends early for a whole one.
+bool ReadWords(CodedInputStream& in, std::size_t end, std::array<std::uint32_t, 4>& words) {
   std::uint32_t length;
-  if (!in.ReadVarint32(&length) || length > kLargestFrame) return false;
+  if (!in.ReadVarint32(&length) || length > end - static_cast<std::size_t>(in.CurrentPosition()))
+    return false;
   const auto limit = in.PushLimit(static_cast<int>(length));
   while (const std::uint32_t tag = in.ReadTag()) {
     const std::uint32_t field = tag >> 3;
@@ -102,7 +104,7 @@ std::optional<Frame> ReadFrame(std::span<const std::byte> bytes) noexcept {
   while (const std::uint32_t tag = in.ReadTag()) {
     std::uint32_t length = 0;
     if (tag == kHeaderTag) {
-      if (!ReadWords(in, words)) return {};
+      if (!ReadWords(in, bytes.size(), words)) return {};
     } else if (tag == kPayloadTag) {
       if (!in.ReadVarint32(&length)) return {};
       const auto at = static_cast<std::size_t>(in.CurrentPosition());

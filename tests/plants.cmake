@@ -56,3 +56,11 @@ pliant_test(plants/depth_camera_test.cc LIBRARIES pliant::plants)
 pliant_test(plants/pinhole_test.cc LIBRARIES pliant::plants)
 pliant_test(plants/solid_test.cc LIBRARIES pliant::plants)
 pliant_test(plants/solid_fcl_test.cc LIBRARIES pliant::plants fcl)
+
+# The way to an arm, against servers of their own on loopback.
+foreach(name gen3_address gen3_faults kortex_frame)
+  pliant_test(plants/${name}_test.cc LIBRARIES pliant::plants)
+endforeach()
+foreach(name gen3_wire gen3_guard gen3_recovery)
+  pliant_test(plants/${name}_test.cc LIBRARIES pliant::plants pliant_kortex)
+endforeach()
