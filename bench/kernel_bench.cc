@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <ctime>
 #include <memory>
@@ -210,11 +209,9 @@ void RunnerTick(benchmark::State& state) {
   RealTimeRunner runner{run, {.paced = false}};
   std::vector<double> overheads;
   const auto measure = [](const auto& act) {
-    const auto start = std::chrono::steady_clock::now();
+    const std::clock_t start = std::clock();
     act();
-    return std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - start)
-               .count() /
-           kTicks;
+    return 1e9 * static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC / kTicks;
   };
   double end = 0;
   for (auto _ : state) {

@@ -3,6 +3,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <exception>
 #include <string>
 
 namespace pliant {
@@ -14,7 +15,12 @@ std::string InAChild(const Act& act) {
   if (pipe(ends) != 0) return "no pipe";
   const pid_t child = fork();
   if (child == 0) {
-    const std::string text = act();
+    std::string text;
+    try {
+      text = act();
+    } catch (const std::exception& e) {
+      text = std::string("the child threw: ") + e.what();
+    }
     const bool written = write(ends[1], text.data(), text.size()) == std::ssize(text);
     _exit(written ? 0 : 1);
   }
