@@ -121,10 +121,9 @@ void StandsStill::RequireFit(const Scenario& scenario) const {
   const auto& control = std::get<ComplianceControl::Options>(scenario.controller);
   Require(std::holds_alternative<ProposedTorqueLoop>(control.torque_loop),
           "controller.torque_loop must be !Proposed: the bound is what that loop leaves at rest");
-  Require(
-      std::get<StationOptions>(scenario.station).ideal || !StationOf(scenario).firmware.compensated,
-      "station.ideal must be true: nobody says what the torque loop inside of robot '" +
-          scenario.robot + "' leaves at rest");
+  Require(IsIdeal(scenario) || !StationOf(scenario).firmware.compensated,
+          "station.ideal must be true: nobody says what the torque loop inside of robot '" +
+              scenario.robot + "' leaves at rest");
 }
 
 Claim StandsStill::Check(const Runs& runs) const {

@@ -100,8 +100,7 @@ std::vector<std::string> JointsToTest(const RunData& run) {
 
 void FrictionIdentified::RequireFit(const Scenario& scenario) const {
   RequireFrictionExperiment(scenario);
-  Require(!std::get<StationOptions>(scenario.station).ideal,
-          "station.ideal must be false: ideal actuators have no friction");
+  Require(!IsIdeal(scenario), "station.ideal must be false: ideal actuators have no friction");
 }
 
 Claim FrictionIdentified::Check(const Runs& runs) const {

@@ -185,19 +185,29 @@ std::string LoopOf(const ArmController& controller) {
       controller);
 }
 
+std::string PlantOf(const Scenario& scenario) {
+  return std::visit(
+      [](const auto& station) -> std::string {
+        if constexpr (requires { station.engine; })
+          return Words(station.engine)[static_cast<std::size_t>(station.engine)];
+        else
+          return "the arm at " + station.address;
+      },
+      scenario.station);
+}
+
 std::vector<Setting> SettingsOfRun(const RunData& run) {
   const Scenario& s = run.scenario;
-  const StationOptions& station = std::get<StationOptions>(s.station);
   const auto rotors = std::visit([](const auto& c) { return c.rotor_inertia; }, run.control);
   std::vector<Setting> settings{
-      {"robot",
-       run.arm.model.name() +
-           (station.ideal ? ", ideal torque actuators and sensors"
-                          : ", elastic gears with friction, sensors with noise and offsets "
-                            "(seed " +
-                                Text(s.seed) + ")" + LoopOf(run.control))},
+      {"robot", run.arm.model.name() +
+                    (IsHardware(s) ? ", on the arm" + LoopOf(run.control)
+                     : IsIdeal(s)  ? ", ideal torque actuators and sensors"
+                                  : ", elastic gears with friction, sensors with noise and offsets "
+                                    "(seed " +
+                                        Text(s.seed) + ")" + LoopOf(run.control))},
       {"rotor inertia", Text(rotors.transpose()) + " kg·m², reflected"},
-      {"plant", Words(station.engine)[static_cast<std::size_t>(station.engine)]}};
+      {"plant", PlantOf(s)}};
   for (Setting& setting : std::visit([](const auto& c) { return SettingsOf(c); }, run.control))
     settings.push_back(std::move(setting));
   for (Setting& setting : std::vector<Setting>{

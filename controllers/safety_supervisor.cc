@@ -49,7 +49,7 @@ PerJoint Cut(const X& x, const PerJoint& limit) {
 
 SafetySupervisor::SafetySupervisor(const Options& o)
     : mode{this, "mode"},
-      position_command{this, "position_command", o.model.joints()},
+      position_command{this, "position_command", o.model.joints(), o.position},
       torque_command{this, "torque_command", o.model.joints()},
       current_command{this, "current_command", o.model.joints()},
       measured_position{this, "measured_position", o.model.joints()},

@@ -174,8 +174,8 @@ class SafetySupervisor final : public Block {
 
   explicit SafetySupervisor(const Options& o);
 
-  Input<ControlMode> mode;  ///< these four of the controller
-  Input<JointPosition> position_command;
+  Input<ControlMode> mode;                ///< these four of the controller
+  Input<JointPosition> position_command;  ///< the start if not connected
   Input<JointTorque> torque_command;
   Input<MotorCurrent> current_command;
   Input<JointPosition> measured_position;  ///< these of the arm

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <type_traits>
 
 #include "pliant/controllers/pose_reference.h"
@@ -51,6 +52,20 @@ const KnownArm& ArmOf(const Scenario& scenario) {
               "\n  known: gen3, gen3_bota, lwr");
 }
 
+/// What a scenario says of a simulation, an arm that is there knows better.
+void RequireRunnable(const Scenario& scenario) {
+  const std::string on = "station !Gen3 is an arm that is there: ";
+  Require(scenario.robot.starts_with("gen3"),
+          on + "expected robot gen3 or gen3_bota, got '" + scenario.robot + "'");
+  Require(scenario.environment.empty(),
+          on + "it has its own environment; leave environment out, or --set environment=[]");
+  Require(!scenario.payload, on + "it has its own payload; leave payload out");
+  Require(scenario.position_scatter == 0, on + "it starts where it is; leave position_scatter out");
+  const auto* compliance = std::get_if<ComplianceControl::Options>(&scenario.controller);
+  Require(!compliance || compliance->estimate != TorqueEstimate::True,
+          on + "nobody knows the true torques; controller.estimate must be another than true");
+}
+
 RobotModel ModelOf(const Scenario& scenario) { return RobotModel::FromUrdf(UrdfOf(scenario)); }
 
 /// Of the controller: that of the arm's interface.
@@ -76,17 +91,17 @@ ArmActuators AssumedActuators(const Scenario& scenario, const SimulatedArm::Opti
 /// What the torque loop of a controller has to drive: nothing if the arm takes torques.
 std::optional<LowLevelTorque::Options> MotorsOf(const RobotModel& assumed, const Scenario& scenario,
                                                 const SimulatedArm::Options& arm) {
-  if (std::get<StationOptions>(scenario.station).ideal || arm.firmware.compensated) return {};
+  if (IsIdeal(scenario) || arm.firmware.compensated) return {};
   return LowLevelTorqueOf(AssumedActuators(scenario, arm), assumed, PeriodOf(arm));
 }
 
 /// What of a controller depends on its kind.
 void Complete(ComplianceControl::Options& control, const Scenario& scenario,
               const SimulatedArm::Options& arm) {
-  const bool ideal = std::get<StationOptions>(scenario.station).ideal;
-  Require(ideal || !arm.firmware.compensated || !(control.modes && control.modes->control),
-          "modes.control switches between currents, and robot '" + scenario.robot +
-              "' takes torques; leave it out, or give a robot such as gen3");
+  Require(
+      IsIdeal(scenario) || !arm.firmware.compensated || !(control.modes && control.modes->control),
+      "modes.control switches between currents, and robot '" + scenario.robot +
+          "' takes torques; leave it out, or give a robot such as gen3");
   if (control.collisions && control.collisions->pairs == CollisionPairs{})
     control.collisions->pairs =
         CollisionPairs::Read(ModelFile(ArmOf(scenario).collisions), control.model);
@@ -334,9 +349,24 @@ class Environment {
 
 std::filesystem::path UrdfOf(const Scenario& scenario) { return ModelFile(ArmOf(scenario).urdf); }
 
+bool IsHardware(const Scenario& scenario) {
+  return std::holds_alternative<Gen3Station>(scenario.station);
+}
+
+bool IsIdeal(const Scenario& scenario) {
+  const auto* simulated = std::get_if<StationOptions>(&scenario.station);
+  return simulated && simulated->ideal;
+}
+
 SimulatedArm::Options StationOf(const Scenario& scenario) {
   const KnownArm& arm = ArmOf(scenario);
-  StationOptions options = std::get<StationOptions>(scenario.station);
+  StationOptions options;
+  if (const auto* simulated = std::get_if<StationOptions>(&scenario.station)) options = *simulated;
+  if (const auto* gen3 = std::get_if<Gen3Station>(&scenario.station)) {
+    RequireRunnable(scenario);
+    options.position = gen3->position;
+    options.friction = gen3->friction;
+  }
   if (options.position.size() == 0) options.position = arm.home;
   const RandomStream scatter = RandomStream(scenario.seed).Part(kScatter);
   for (Eigen::Index j = 0; j < options.position.size(); ++j)
@@ -351,7 +381,9 @@ SimulatedArm::Options StationOf(const Scenario& scenario) {
                                           .center = ball.center,
                                           .inertia = inertia * Eigen::Matrix3d::Identity()});
   }
-  return arm.station(model, options);
+  SimulatedArm::Options station = arm.station(model, options);
+  if (IsHardware(scenario) && station.wrist) station.wrist->bias.setZero();  // taken off by a tare
+  return station;
 }
 
 const ComplianceControl::Options& ComplianceOf(const ArmController& controller) {
@@ -413,28 +445,98 @@ std::vector<Push::Options> PushesOf(const Scenario& scenario) {
   return pushes;
 }
 
-ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<RecordSink> sink) {
+ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<RecordSink> sink,
+                                 const Hardware& of) {
   RequireInRange("", scenario);
   SimulatedArm::Options station = StationOf(scenario);
   const ArmController controller = ControllerOf(scenario, station);
   const auto* compliance = std::get_if<ComplianceControl::Options>(&controller);
+  const bool is_there = IsHardware(scenario);
+  const bool switches = compliance && compliance->modes && compliance->modes->control;
+  Require(!switches || scenario.schedule.empty(),
+          "controller.modes.control says what mode the arm is in; expected no schedule beside it");
   station.frames = {ToolOf(controller)};
   const Duration period = control_period = PeriodOf(controller);
 
   // The plant's model at what the sensors say: contacts push the arm that is there.
   DiagramBuilder& b = builder;
-  auto& link_motion = b.Add<ModelDynamics>("link_motion", {.model = station.model});
-  true_torque = &b.Add<ContactTorque>("true_torque", {.model = station.model});
-  arm = &b.Add<SimulatedArm>("arm", station);
-  Environment environment(b, *arm, *true_torque, station.model, period);
-  for (const EnvironmentPart& part : scenario.environment) std::visit(environment, part);
+  auto& link_motion = b.Add<ModelDynamics>(
+      "link_motion",
+      {.model = station.model, .frames = is_there ? station.frames : std::vector<std::string>()});
+  std::optional<Environment> environment;
   DepthCamera* camera = nullptr;
-  if (const SeenContacts* seen = SightOf(controller)) {
-    camera = &b.Add<DepthCamera>("camera", CameraOf(*seen, station.model, scenario.seed));
-    b.Connect(arm->position, camera->position);
-    for (const Output<ContactForce>* touch : environment.contacts)
-      b.Connect(*touch, camera->contacts);
+  if (is_there) {
+    Require(!SightOf(controller),
+            "station !Gen3 has no camera: controller.contacts.localization "
+            "must be another than !DepthCamera");
+    hardware =
+        &b.Add<HardwareArm>("arm", {.model = station.model,
+                                    .position = station.position,
+                                    .wrist_frame = station.wrist ? station.wrist->frame : "",
+                                    .wrist_range = station.wrist ? station.wrist->range : Wrench(),
+                                    .hardware = of,
+                                    .period = period});
+  } else {
+    true_torque = &b.Add<ContactTorque>("true_torque", {.model = station.model});
+    arm = &b.Add<SimulatedArm>("arm", station);
+    environment.emplace(b, *arm, *true_torque, station.model, period);
+    for (const EnvironmentPart& part : scenario.environment) std::visit(*environment, part);
+    b.Connect(link_motion.dynamics, true_torque->dynamics);
+    if (const SeenContacts* seen = SightOf(controller)) {
+      camera = &b.Add<DepthCamera>("camera", CameraOf(*seen, station.model, scenario.seed));
+      b.Connect(arm->position, camera->position);
+      for (const Output<ContactForce>* touch : environment->contacts)
+        b.Connect(*touch, camera->contacts);
+    }
   }
+  TickTimer* timer = nullptr;
+  Operator* watcher = nullptr;
+  if (scenario.safety || is_there) {
+    const ArmActuators assumed = AssumedActuators(scenario, station);
+    safety = &b.Add<SafetySupervisor>(
+        "safety", {.model = ModelOf(controller),
+                   .position = station.position,
+                   .torque_per_ampere = assumed.torque_per_ampere(),
+                   .current_limit = FiguresOf(assumed.joint, &ActuatorParameters::current_limit),
+                   .settings = scenario.safety.value_or(SafetySupervisor::Settings()),
+                   .period = period});
+    timer = &b.Add<TickTimer>("timer", {.times = of.times, .period = period});
+    watcher =
+        &b.Add<Operator>("operator", {.panel = of.panel,
+                                      .stop_at_s = is_there ? scenario.duration_s : kUnbounded,
+                                      .period = period});
+  }
+  // A simulated arm, one that is there and a supervisor have the same ports.
+  const auto with_arm = [&](const auto& act) {
+    if (arm)
+      act(*arm);
+    else
+      act(*hardware);
+  };
+  const auto with_commanded = [&](const auto& act) {
+    if (safety)
+      act(*safety);
+    else
+      with_arm(act);
+  };
+
+  // Of the whole torque, what is left to command.
+  const auto command_torque = [&](const Output<JointTorque>& torque) {
+    with_arm([&](auto& to) {
+      if (!station.firmware.compensated) {
+        b.Connect(torque, to.torque_command);
+        return;
+      }
+      auto& assumed = b.Add<ModelDynamics>("assumed_motion", {.model = ModelOf(controller)});
+      auto& carried = b.Add<WithoutWeight>("carried", station.model.joints());
+      b.Connect(to.measured_position, assumed.position);
+      b.Connect(to.measured_velocity, assumed.velocity);
+      b.Connect(torque, carried.torque);
+      b.Connect(assumed.dynamics, carried.dynamics);
+      b.Connect(carried.command, to.torque_command);
+    });
+  };
+
   std::vector<const internal::Value*> recorded;
   const auto add = [&]<class Controller>(Controller*& added) {
     const auto* options = std::get_if<typename Controller::Options>(&controller);
@@ -442,36 +544,36 @@ ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<Recor
     Controller& to = b.Add<Controller>("control", *options);
     added = &to;
     recorded = RecordedOf(to, *options);
-    b.Connect(arm->measured_position, to.measured_position);
-    b.Connect(arm->measured_velocity, to.measured_velocity);
-    b.Connect(arm->measured_torque, to.measured_torque);
-    b.Connect(to.current, arm->current_command);
+    with_arm([&](auto& from) {
+      b.Connect(from.measured_position, to.measured_position);
+      b.Connect(from.measured_velocity, to.measured_velocity);
+      b.Connect(from.measured_torque, to.measured_torque);
+      if constexpr (requires { to.wrench; }) b.Connect(from.wrench, to.wrench);
+      if constexpr (requires { to.wrench_valid; }) b.Connect(from.wrench_valid, to.wrench_valid);
+      if constexpr (requires { from.temperature, to.temperature; })
+        b.Connect(from.temperature, to.temperature);
+    });
+    with_commanded([&](auto& by) { b.Connect(to.current, by.current_command); });
+    if (safety) {
+      b.Connect(to.torque, safety->torque_command);
+      if constexpr (requires { to.external_torque; })
+        b.Connect(to.external_torque, safety->external_torque);
+    } else {
+      command_torque(to.torque);
+    }
+    if (is_there) return;
     if constexpr (requires { to.true_torque; }) b.Connect(true_torque->torque, to.true_torque);
-    if constexpr (requires { to.wrench; }) b.Connect(arm->wrench, to.wrench);
     if constexpr (requires { to.contacts; })
-      for (const Output<ContactForce>* touch : environment.contacts) b.Connect(*touch, to.contacts);
+      for (const Output<ContactForce>* touch : environment->contacts)
+        b.Connect(*touch, to.contacts);
     if constexpr (requires { to.image; })
       if (camera) b.Connect(camera->image, *to.image);
-    if (!station.firmware.compensated) {
-      b.Connect(to.torque, arm->torque_command);
-      return;
-    }
-    auto& assumed = b.Add<ModelDynamics>("assumed_motion", {.model = ModelOf(controller)});
-    auto& carried = b.Add<WithoutWeight>("carried", station.model.joints());
-    b.Connect(arm->measured_position, assumed.position);
-    b.Connect(arm->measured_velocity, assumed.velocity);
-    b.Connect(to.torque, carried.torque);
-    b.Connect(assumed.dynamics, carried.dynamics);
-    b.Connect(carried.command, arm->torque_command);
   };
   add(control);
   add(friction);
   add(null_space);
   add(contact);
   auto& tool = b.Add<ToolMotion>("tool", station.model.joints());
-  const bool switches = compliance && compliance->modes && compliance->modes->control;
-  Require(!switches || scenario.schedule.empty(),
-          "controller.modes.control says what mode the arm is in; expected no schedule beside it");
   ModeSchedule* schedule = nullptr;
   if (!switches)
     schedule = &b.Add<ModeSchedule>(
@@ -479,25 +581,56 @@ ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<Recor
                      .changes = scenario.schedule,
                      .period = period});
 
-  b.Connect(arm->measured_position, link_motion.position);
-  b.Connect(arm->measured_velocity, link_motion.velocity);
-  b.Connect(link_motion.dynamics, true_torque->dynamics);
-  if (control && (compliance->command == ArmCommand::Position || switches))
-    b.Connect(control->position, arm->position_command);  // else it holds its start
-  b.Connect(arm->motion, tool.motion);
-  b.Connect(switches ? control->arm_mode : schedule->mode, arm->mode);
-  if (switches) b.Connect(arm->measured_current, control->measured_current);
+  with_arm([&](auto& from) {
+    b.Connect(from.measured_position, link_motion.position);
+    b.Connect(from.measured_velocity, link_motion.velocity);
+    if (switches) b.Connect(from.measured_current, control->measured_current);
+  });
+  b.Connect(is_there ? link_motion.dynamics : arm->motion, tool.motion);
+  with_commanded([&](auto& by) {
+    if (control && (compliance->command == ArmCommand::Position || switches))
+      b.Connect(control->position, by.position_command);  // else it holds its start
+    b.Connect(switches ? control->arm_mode : schedule->mode, by.mode);
+  });
+  if (safety) {
+    with_arm([&](auto& of_arm) {
+      b.Connect(of_arm.measured_position, safety->measured_position);
+      b.Connect(of_arm.measured_velocity, safety->measured_velocity);
+      b.Connect(of_arm.measured_torque, safety->measured_torque);
+      b.Connect(of_arm.status, safety->status);
+      if constexpr (requires { of_arm.temperature; })
+        b.Connect(of_arm.temperature, safety->temperature);
+      b.Connect(timer->timing, safety->timing);
+      b.Connect(watcher->word, safety->word);
+      b.Connect(safety->report, watcher->report);
+      b.Connect(safety->arm_mode, of_arm.mode);
+      b.Connect(safety->arm_position, of_arm.position_command);
+      b.Connect(safety->arm_current, of_arm.current_command);
+    });
+    command_torque(safety->arm_torque);
+  }
 
   if (!sink) return;
   auto& recorder =
       b.Add<Recorder>("recorder", {.period = scenario.log_period.value_or(period), .sink = sink});
-  for (const internal::Value* value : environment.recorded) b.Connect(*value, recorder.in);
   const auto record = [&](const auto&... values) { (b.Connect(values, recorder.in), ...); };
-  record(arm->measured_position, arm->measured_velocity, arm->measured_torque,
-         arm->measured_current, arm->wrench, arm->status, arm->position, arm->velocity,
-         arm->joint_torque, arm->energy, tool.position, tool.pose, tool.twist, true_torque->torque);
+  if (environment)
+    for (const internal::Value* value : environment->recorded) record(*value);
+  with_arm([&](auto& from) {
+    record(from.measured_position, from.measured_velocity, from.measured_torque,
+           from.measured_current, from.wrench, from.status);
+  });
+  if (arm) record(arm->position, arm->velocity, arm->joint_torque, arm->energy);
+  if (hardware)
+    record(hardware->temperature, hardware->wrench_valid, hardware->wrench_status,
+           hardware->report);
+  record(tool.position, tool.pose, tool.twist);
+  if (true_torque) record(true_torque->torque);
   if (schedule) record(schedule->mode);
-  for (const internal::Value* value : recorded) b.Connect(*value, recorder.in);
+  if (safety)
+    record(safety->report, safety->arm_mode, safety->arm_position, safety->arm_torque,
+           safety->arm_current, timer->timing, watcher->word);
+  for (const internal::Value* value : recorded) record(*value);
 }
 
 }  // namespace pliant

@@ -11,6 +11,7 @@
 #include "pliant/diagrams/compliance_control.h"
 #include "pliant/diagrams/contact_control.h"
 #include "pliant/diagrams/friction_experiment.h"
+#include "pliant/diagrams/hardware_arm.h"
 #include "pliant/diagrams/mode_schedule.h"
 #include "pliant/diagrams/null_space_control.h"
 #include "pliant/diagrams/simulated_arm.h"
@@ -87,13 +88,15 @@ const ComplianceControl::Options& ComplianceOf(const ArmController& controller);
 /// be left out.
 struct Scenario {
   std::string robot;  ///< gen3, gen3_bota or lwr
-  std::variant<StationOptions> station = {};
+  std::variant<StationOptions, Gen3Station> station = {};
   std::optional<Payload> payload = {};
   ModelError model_error = {};  ///< of the controller's model
   /// What the controller takes for the joints' friction; without, that of the station.
   std::vector<IdentifiedFriction> assumed_friction = {};
   ArmController controller = {};
   std::vector<ModeChange> schedule = {};  ///< of the arm's mode; none: the controller's all along
+  /// Of the supervisor between controller and arm; an arm that is there always has one.
+  std::optional<SafetySupervisor::Settings> safety = {};
   std::vector<EnvironmentPart> environment = {};
   IntegratorOptions integrator = {};
   double duration_s = kToBeGiven;
@@ -110,6 +113,7 @@ struct Scenario {
     f("assumed_friction", assumed_friction);
     f("controller", controller);
     f("schedule", schedule);
+    f("safety", safety);
     f("environment", environment);
     f("integrator", integrator);
     f("duration_s", duration_s, "s", Between(1e-3, 1e6));
@@ -122,8 +126,14 @@ struct Scenario {
 /// The URDF file of a scenario's robot.
 std::filesystem::path UrdfOf(const Scenario& scenario);
 
+/// Whether the arm is one that is there, or an emulated one.
+bool IsHardware(const Scenario& scenario);
+/// Whether the arm is simulated with torque sources.
+bool IsIdeal(const Scenario& scenario);
+
 /// The arm of a scenario, with everything that comes with its name filled in. It starts where the
-/// scatter of the seed puts it, for the plant and the controller alike.
+/// scatter of the seed puts it, for the plant and the controller alike. Of an arm that is there it
+/// is what is known of it.
 SimulatedArm::Options StationOf(const Scenario& scenario);
 
 /// The controller of a scenario for that arm: its model may have errors.
@@ -151,19 +161,28 @@ std::vector<Push::Options> PushesOf(const Scenario& scenario);
 /// Controllers command the whole torque; of an arm that carries its own weight the gravity of their
 /// model is taken off again on the way to it.
 ///
+/// With a supervisor, commands go through it:
+///
+///   control, arm, timer, operator ─▶ safety ─▶ arm
+///
+/// An arm that is there has no environment but its own: nothing here knows true torques.
+///
 /// True torques are those of contacts as a controller's ticks see them, by the plant's own model.
 /// What `sink` gets, if there is one: measurements and truth of the arm, contacts, and the
 /// ports of the controller. Throws Error with the path of the block that cannot be.
 struct ScenarioDiagram {
-  explicit ScenarioDiagram(const Scenario& scenario, std::shared_ptr<RecordSink> sink = {});
+  explicit ScenarioDiagram(const Scenario& scenario, std::shared_ptr<RecordSink> sink = {},
+                           const Hardware& hardware = {});
 
   DiagramBuilder builder;
-  SimulatedArm* arm;
+  SimulatedArm* arm = nullptr;             ///< if it is simulated
+  HardwareArm* hardware = nullptr;         ///< if it is there
+  SafetySupervisor* safety = nullptr;      ///< if there is one
   ComplianceControl* control = nullptr;    ///< if it is !Compliance
   FrictionExperiment* friction = nullptr;  ///< if it is !FrictionExperiment
   NullSpaceControl* null_space = nullptr;  ///< if it is !NullSpaceCompliance
   ContactControl* contact = nullptr;       ///< if it is !ContactControl
-  ContactTorque* true_torque;
+  ContactTorque* true_torque = nullptr;    ///< if the arm is simulated
   Duration control_period;
 };
 

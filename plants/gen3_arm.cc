@@ -173,7 +173,7 @@ const Gen3Sample& Gen3Arm::Latest() noexcept {
   ArmStatus& status = sample_.status;
   status.age =
       o_.frozen_after > 0 && unchanged_ > o_.frozen_after ? std::max(age_, unchanged_) : age_;
-  status.connected = !failed_;
+  status.connected = !failed_ && o_.link->connected();
   const std::uint8_t wanted = wanted_;
   status.switching = 0;
   for (int j = 0; j < kGen3Joints; ++j)
