@@ -13,6 +13,7 @@
 
 #include "pliant/analysis/mcap_log.h"
 #include "pliant/analysis/repeated_number.h"
+#include "pliant/analysis/run_log.h"
 #include "pliant/analysis/run_settings.h"
 #include "pliant/analysis/series.h"
 #include "pliant/analysis/with_unit.h"
@@ -33,26 +34,6 @@ struct Job {
 };
 
 std::string Exact(double value) { return internal::YamlText(value); }
-
-McapLog::Options LogOf(const Job& job, const ExperimentFile& file, bool force) {
-  const std::filesystem::path urdf = UrdfOf(job.scenario);
-  return {.file = job.log,
-          .force = force,
-          .metadata = {{"pliant",
-                        {{"version", PLIANT_VERSION},
-                         {"built_with", PLIANT_BUILT_WITH},
-                         {"experiment", file.text()},
-                         {"scenario", ParametersText(job.scenario)},
-                         {"run", job.run->name},
-                         {"title", job.run->title},
-                         {"repetition", std::to_string(job.repetition)},
-                         {"seed", std::to_string(job.scenario.seed)}}}},
-          .robot = RobotModel::FromUrdf(urdf),
-          .robot_description = internal::ReadFile(urdf),
-          .position = "arm.measured_position",
-          .velocity = "arm.measured_velocity",
-          .torque = "arm.measured_torque"};
-}
 
 class Execution {
  public:
@@ -135,7 +116,12 @@ class Execution {
   }
 
   void Execute(const Job& job) {
-    const auto log = std::make_shared<McapLog>(LogOf(job, file_, options_.force));
+    const auto log = std::make_shared<McapLog>(RunLogOf({.file = job.log,
+                                                         .experiment = file_.text(),
+                                                         .run = *job.run,
+                                                         .scenario = job.scenario,
+                                                         .repetition = job.repetition,
+                                                         .force = options_.force}));
     ScenarioDiagram scene(job.scenario, log);
     const Diagram diagram = scene.builder.Build();
     Simulator sim(diagram, {.integrator = job.scenario.integrator});

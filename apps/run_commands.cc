@@ -10,6 +10,7 @@
 #include "pliant/analysis/printable.h"
 #include "pliant/analysis/run_experiment.h"
 #include "pliant/analysis/study.h"
+#include "pliant/apps/arm_run.h"
 #include "pliant/apps/commands.h"
 #include "pliant/apps/progress_line.h"
 #include "pliant/apps/says_something.h"
@@ -32,6 +33,7 @@ struct Told {
   std::optional<int> repeat;  // none: what the file says
   int jobs = 1;
   bool force = false, strict = false, check = false;
+  ArmTold arm;
 };
 
 Overrides OverridesOf(const Told& told) {
@@ -113,6 +115,8 @@ int RunFile(const fs::path& path, const Told& told) {
     return 0;
   }
   Require(!told.out.empty(), "--out is required: the folder of logs and report");
+  if (IsAboutAnArm(file, told.arm))
+    return RunOnArmAndTell(file, told.arm, told.out, told.force);
   RefuseToOverwrite(told.out, told.force);
   if (!file.experiment.figures.empty()) FindGnuplot();
   if (told.force)  // a report on other logs than those beside it says what is not so
@@ -170,6 +174,7 @@ void AddRunCommands(CLI::App& app, std::vector<Command>& commands) {
   run->footer("Example: pliant run my_arm.yaml --set station.ideal=true --out out");
   run->add_option("file", told->file, "scenario, YAML")->required()->check(SaysSomething());
   AddRunOptions(*run, *told);
+  AddArmOptions(*run, told->arm);
   run->add_flag("--check", told->check, "only says whether the file can be run; needs no --out");
   commands.push_back({run, [told] { return RunFile(told->file, *told); }});
 

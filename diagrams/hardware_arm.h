@@ -21,14 +21,14 @@ struct RdtWrist {
   std::string host;
   int port = 49152;
   double counts_per_newton = 1e6;
-  double counts_per_newton_metre = 1e6;
+  double counts_per_newton_meter = 1e6;
 
   template <class F>
   void Parameters(F&& f) {
     f("host", host);
     f("port", port, "", Between(1, 65535));
     f("counts_per_newton", counts_per_newton, "1/N", kPositive);
-    f("counts_per_newton_metre", counts_per_newton_metre, "1/(N·m)", kPositive);
+    f("counts_per_newton_meter", counts_per_newton_meter, "1/(N·m)", kPositive);
   }
 };
 

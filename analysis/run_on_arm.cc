@@ -1,0 +1,213 @@
+#include "pliant/analysis/run_on_arm.h"
+
+#include <algorithm>
+#include <chrono>
+#include <optional>
+#include <thread>
+
+#include "pliant/analysis/mcap_log.h"
+#include "pliant/analysis/run_log.h"
+#include "pliant/analysis/write_file.h"
+#include "pliant/plants/bota_source.h"
+#include "pliant/plants/gen3_faults.h"
+#include "pliant/plants/gen3_guard.h"
+#include "pliant/plants/gen3_recovery.h"
+#include "pliant/plants/gen3_wire.h"
+#include "pliant/plants/parameter_text.h"
+#include "pliant/plants/rdt_source.h"
+#include "pliant/systems/simulator.h"
+#include "pliant/systems/tick_cost.h"
+
+namespace pliant {
+
+namespace {
+
+constexpr int kTareSamples = 200;
+constexpr auto kTareLimit = std::chrono::seconds(3);
+constexpr auto kLockStepLimit = std::chrono::seconds(2);  // of an answer of an emulator
+constexpr double kGrace_s = 10;  // beside the supervisor's own times, of a run that does not end
+
+std::shared_ptr<WrenchSource> SourceOf(const Gen3Station& station) {
+  if (!station.wrist) return {};
+  if (const auto* rdt = std::get_if<RdtWrist>(&*station.wrist))
+    return std::make_shared<RdtSource>(
+        RdtSource::Options{.host = rdt->host,
+                           .port = rdt->port,
+                           .scale = {.counts_per_newton = rdt->counts_per_newton,
+                                     .counts_per_newton_meter = rdt->counts_per_newton_meter}});
+  return std::make_shared<BotaSource>(
+      BotaSource::Options{.device = std::get<BotaWrist>(*station.wrist).device});
+}
+
+/// What hangs on the sensor weighs, at rest, in the sensor's axes.
+Wrench WeightOn(const SimulatedArm::Options& arm) {
+  RobotDynamics d(arm.model, {arm.wrist->frame});
+  ComputeDynamics(arm.model, arm.position, JointVelocity::Zero(arm.model.joints()), d);
+  const Inertial& load = arm.model.link(arm.model.link_index(arm.wrist->frame)).inertial;
+  const Eigen::Vector3d f =
+      load.mass * (d.frame[0].pose.rotation.transpose() * arm.model.gravity());
+  Wrench weight;
+  weight << load.center.cross(f), f;
+  return weight;
+}
+
+/// The mean of what a sensor shows while nothing touches it, less what it ought to show.
+Wrench Tare(WrenchSource& source, const SimulatedArm::Options& arm) {
+  const auto end = std::chrono::steady_clock::now() + kTareLimit;
+  Wrench sum = Wrench::Zero();
+  int samples = 0;
+  WrenchReading reading;
+  while (samples < kTareSamples) {
+    if (std::chrono::steady_clock::now() > end)
+      throw Error("the wrist sensor must measure " + Text(kTareSamples) +
+                  " times before the start, for its offset; got " + Text(samples) +
+                  " in 3 s\n"
+                  "see that it is on, and what station.wrist says");
+    if (source.Read(reading) && !reading.faulty && reading.wrench.allFinite()) {
+      sum += reading.wrench;
+      ++samples;
+    }
+    std::this_thread::sleep_for(std::chrono::microseconds(500));
+  }
+  return Wrench(sum / kTareSamples - WeightOn(arm));
+}
+
+class ArmExecution {
+ public:
+  ArmExecution(const ExperimentFile& file, const ArmRunOptions& o) : file_{file}, o_{o} {
+    Require(file.scenarios.size() == 1 && file.experiment.repeat == 1,
+            "an arm does one run at a time; name one with --run, and --repeat 1");
+    scenario_ = file.scenarios.front();
+    Require(IsHardware(scenario_), "station must be !Gen3 to run an arm; give --arm ADDRESS");
+    Require(!scenario_.log_period || *scenario_.log_period == ControlPeriodOf(scenario_),
+            "log_period must be the controller's period on an arm; leave it out");
+  }
+
+  ArmRun Run() {
+    auto& station = std::get<Gen3Station>(scenario_.station);
+    const Gen3Address address = Gen3Address::Of(station.address);
+    result_.log = o_.out / "logs" / (file_.experiment.runs.front().name + ".mcap");
+    if (std::error_code unknown; !o_.force && std::filesystem::exists(result_.log, unknown))
+      throw Error(result_.log.string() +
+                  " exists; give --force to write over it, or another --out");
+    internal::MakeDirectory(o_.out / "logs");
+
+    const Gen3Guard guard(address);
+    Hardware hardware{.arm = Connect(address, station), .panel = o_.panel};
+    station.position = hardware.arm->start().position;
+    hardware.wrist = SourceOf(station);
+    if (hardware.wrist) hardware.wrist_bias = Tare(*hardware.wrist, StationOf(scenario_));
+    const auto times = std::make_shared<TickTimes>();
+    hardware.times = times;
+
+    McapLog::Options options = RunLogOf({.file = result_.log,
+                                         .experiment = file_.text(),
+                                         .run = file_.experiment.runs.front(),
+                                         .scenario = scenario_,
+                                         .force = o_.force});
+    options.full = station.lock_step ? McapLog::Full::Wait : McapLog::Full::Drop;
+    const auto log = std::make_shared<McapLog>(options);
+    ScenarioDiagram scene(scenario_, log, hardware);
+    const Diagram diagram = scene.builder.Build();
+    Say(EstimateTickCost(diagram).text());
+    Simulator sim(diagram);
+    RealTimeRunner runner(sim, {.paced = !station.lock_step,
+                                .overrun = o_.overrun,
+                                .permissions = o_.permissions,
+                                .times = times,
+                                .stop = &o_.panel->stopped});
+    const auto settings = scenario_.safety.value_or(SafetySupervisor::Settings());
+    const double end =
+        scenario_.duration_s + settings.engage_s + settings.damped_s + settings.hold_s + kGrace_s;
+    const auto begin = std::chrono::steady_clock::now();
+    std::exception_ptr failure;
+    try {
+      runner.Run(end);
+    } catch (...) {
+      failure = std::current_exception();
+    }
+    const double wall =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    HandBack(*hardware.arm, address);
+    result_.timing = runner.report();
+    result_.safety = sim.Get(scene.safety->report);
+    result_.arm = sim.Get(scene.hardware->report);
+    result_.whole = !failure && result_.safety.state == SafetyState::Stopped &&
+                    result_.safety.cause == SafetyCause::UserStop &&
+                    sim.time() >= scenario_.duration_s;
+    log->AddMetadata("pliant.run", {{"whole", result_.whole ? "1" : "0"},
+                                    {"simulated_s", internal::YamlText(sim.time())},
+                                    {"wall_s", internal::YamlText(wall)},
+                                    {"ticks", std::to_string(result_.timing.ticks)},
+                                    {"end", result_.text()}});
+    log->Close();
+    if (failure) std::rethrow_exception(failure);
+    return result_;
+  }
+
+ private:
+  void Say(const std::string& line) const {
+    if (o_.say) o_.say(line);
+  }
+
+  std::shared_ptr<Gen3Arm> Connect(const Gen3Address& address, const Gen3Station& station) const {
+    const SimulatedArm::Options known = StationOf(scenario_);
+    return std::make_shared<Gen3Arm>(Gen3Arm::Options{
+        .link = o_.connect ? o_.connect(address) : ConnectGen3(address),
+        .model = known.model,
+        .current_limit = FiguresOf(known.actuators.joint, &ActuatorParameters::current_limit),
+        .clear_faults = station.clear_faults,
+        .frozen_after = station.frozen_after,
+        .lock_step = station.lock_step ? kLockStepLimit : std::chrono::nanoseconds(0)});
+  }
+
+  /// By another way if its own does not do.
+  void HandBack(Gen3Arm& arm, const Gen3Address& address) {
+    try {
+      arm.HandBack();
+      if (arm.failures().empty()) return;
+    } catch (const Error&) {
+      // What it was, failures() says.
+    }
+    result_.handing_back = arm.failures();
+    try {
+      for (const std::string& line : Recover(address, false)) Say(line);
+    } catch (const Error& e) {
+      result_.handing_back += std::string("\n") + e.what();
+    }
+  }
+
+  const ExperimentFile& file_;
+  const ArmRunOptions& o_;
+  Scenario scenario_;
+  ArmRun result_;
+};
+
+}  // namespace
+
+std::string ArmRun::text() const {
+  const auto word = [](auto value) { return Words(value)[static_cast<std::size_t>(value)]; };
+  std::string out = "ended: " + word(safety.state);
+  if (safety.cause != SafetyCause::None && safety.cause != SafetyCause::UserStop) {
+    out += ", because of " + word(safety.cause);
+    if (safety.joint >= 0) out += " at joint " + Text(safety.joint + 1);
+    if (safety.limit != 0) out += ": " + Text(safety.value) + ", allowed " + Text(safety.limit);
+  }
+  out += "\n" + timing.text();
+  out += "\nframes: " + Text(arm.sent) + " sent, " + Text(arm.answered) + " answered, " +
+         Text(arm.late) + " late, " + Text(arm.out_of_order) + " out of order, " +
+         Text(arm.refused) + " refused, " + Text(arm.unreadable) + " unreadable";
+  for (std::size_t j = 0; j < arm.fault.size(); ++j)
+    for (const std::string& name : ActuatorFaultNames(arm.fault[j]))
+      out += "\njoint " + Text(j + 1) + " reports " + name;
+  for (const std::string& name : BaseFaultNames(arm.base_fault))
+    out += "\nthe base reports " + name;
+  if (!handing_back.empty()) out += "\n" + handing_back;
+  return out;
+}
+
+ArmRun RunOnArm(const ExperimentFile& file, const ArmRunOptions& o) {
+  return ArmExecution(file, o).Run();
+}
+
+}  // namespace pliant

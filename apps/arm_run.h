@@ -1,0 +1,33 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "pliant/analysis/experiment.h"
+
+namespace CLI {
+class App;
+}
+
+namespace pliant {
+
+/// What `pliant run --arm` is told beside what `pliant run` is.
+struct ArmTold {
+  std::string address;
+  int priority = 0, cpu = -1;  ///< 0, −1: not asked for
+  bool lock_memory = false;
+  std::string overrun = "skip";
+  std::string run;  ///< which of the file's runs
+};
+
+void AddArmOptions(CLI::App& app, ArmTold& told);
+
+/// Whether the file, or the command, is about an arm that is there.
+bool IsAboutAnArm(const ExperimentFile& file, const ArmTold& told);
+
+/// Runs it; the exit code: 0 it came to its end or was stopped, 3 a fault ended it.
+int RunOnArmAndTell(ExperimentFile file, const ArmTold& told, const std::filesystem::path& out,
+                    bool force);
+
+}  // namespace pliant
