@@ -28,5 +28,6 @@ void AddIdentifyCommands(CLI::App& app, std::vector<Command>& commands);  ///< i
 void AddIdentifyDynamics(CLI::App& app, std::vector<Command>& commands);  ///< identify dynamics
 void AddDoctor(CLI::App& app, std::vector<Command>& commands);
 void AddPad(CLI::App& app, std::vector<Command>& commands);
+void AddRecover(CLI::App& app, std::vector<Command>& commands);  ///< recover gen3
 
 }  // namespace pliant
