@@ -33,5 +33,6 @@ void AddEmulate(CLI::App& app, std::vector<Command>& commands);
 /// Devices of `emulate`.
 void AddEmulateRdt(CLI::App& emulate, std::vector<Command>& commands);
 void AddEmulateBota(CLI::App& emulate, std::vector<Command>& commands);
+void AddRecover(CLI::App& app, std::vector<Command>& commands);  ///< recover gen3
 
 }  // namespace pliant

@@ -7,7 +7,8 @@
 #include <vector>
 
 #include "pliant/analysis/figure.h"
-#include "pliant/apps/arm_address.h"
+#include "pliant/apps/arm_check.h"
+#include "pliant/apps/arm_options.h"
 #include "pliant/apps/commands.h"
 #include "pliant/apps/doctor_checks.h"
 #include "pliant/apps/machine_facts.h"
@@ -19,8 +20,10 @@ namespace pliant {
 
 namespace {
 
+using namespace std::chrono_literals;
+
 struct Told {
-  std::string arm;
+  ArmOptions arm;
   std::filesystem::path out = ".";
 };
 
@@ -45,15 +48,19 @@ Finding Shared(const std::string& name, const std::string& file) {
 }
 
 int Examine(const Told& told) {
-  std::optional<ArmAddress> address;
-  if (!told.arm.empty()) address = ArmAddress::Of(told.arm);
+  std::optional<Gen3Address> address;
+  if (!told.arm.arm.empty()) {
+    address = told.arm.address();
+    address->answer_limit = 2s;  // of one that starts or is another machine's port
+  }
   std::vector<Finding> findings{Gnuplot(), Shared("models", "models/gen3/gen3_7dof.urdf"),
                                 Shared("experiments", "experiments"),
                                 Shared("page of a report", "web/dist/replay.js"),
                                 CheckOutput(OutputAt(told.out))};
   for (Finding& finding : CheckRealTime(RealTimeOfThisMachine(), address.has_value()))
     findings.push_back(std::move(finding));
-  findings.push_back(CheckArm(address ? std::optional(TryArm(*address)) : std::nullopt));
+  for (Finding& finding : CheckArm(address ? std::optional(TryArm(*address)) : std::nullopt))
+    findings.push_back(std::move(finding));
   for (const Finding& finding : findings) std::puts(finding.text().c_str());
   return std::ranges::count(findings, Verdict::Missing, &Finding::verdict) > 0 ? 1 : 0;
 }
@@ -67,10 +74,8 @@ void AddDoctor(CLI::App& app, std::vector<Command>& commands) {
   doctor->footer(
       "Example: pliant doctor --arm 192.168.1.10\n"
       "A line each: ok, missing (needed) or note. Exits with 1 if something is missing.");
-  doctor
-      ->add_option("--arm", told->arm,
-                   "ADDRESS[:PORT] of the arm that is to be run; what it needs is then needed")
-      ->check(SaysSomething());
+  told->arm.AddTo(*doctor,
+                  "ADDRESS[:PORT] of the arm that is to be run; what it needs is then needed");
   doctor->add_option("--out", told->out, "folder where logs and reports are to go")
       ->check(SaysSomething())
       ->capture_default_str();

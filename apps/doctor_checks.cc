@@ -33,6 +33,33 @@ std::string LimitFor(const std::string& user, const std::string& limit) {
          "\" for the members of a group realtime), then log in anew";
 }
 
+constexpr char kClearFaults[] =
+    "mend what the faults are about, then `pliant recover gen3 --clear-faults`";
+
+std::string Listed(const std::vector<std::string>& names) {
+  std::string all;
+  for (const std::string& name : names) all += (all.empty() ? "" : ", ") + name;
+  return all;
+}
+
+Finding CheckJoint(const std::string& subject, const ArmJoint& joint) {
+  char found[96];
+  std::snprintf(found, sizeof found, "%d different torques of %d, motor %.0f C, core %.0f C",
+                joint.torques, kFeedbacks, joint.motor_temperature, joint.core_temperature);
+  if (!joint.faults.empty())
+    return {Verdict::Missing, subject, std::string(found) + ", " + Listed(joint.faults),
+            kClearFaults};
+  if (joint.torques == 1)
+    return {Verdict::Missing, subject, found,
+            "its torque sensor is dead: do not control its torque; switch the arm off and on, or "
+            "ask Kinova"};
+  if (joint.torques < kFeedbacks / 2)
+    return {Verdict::Note, subject, found,
+            "expected nearly as many: is the sensor well, or feedback slower than each "
+            "millisecond?"};
+  return {Verdict::Ok, subject, found};
+}
+
 Verdict Needed(bool good, bool needed) {
   if (good) return Verdict::Ok;
   return needed ? Verdict::Missing : Verdict::Note;
@@ -112,17 +139,34 @@ std::vector<Finding> CheckRealTime(const RealTimeFacts& f, bool for_arm) {
   return all;
 }
 
-Finding CheckArm(const std::optional<ArmFacts>& facts) {
+std::vector<Finding> CheckArm(const std::optional<ArmFacts>& facts) {
   if (!facts)
-    return {Verdict::Note, "arm", "not tried",
-            "--arm ADDRESS tries one; a Gen3 comes as 192.168.1.10"};
+    return {{Verdict::Note, "arm", "not tried",
+             "--arm ADDRESS tries one; a Gen3 comes as 192.168.1.10"}};
   if (!facts->fault.empty())
-    return {Verdict::Missing, "arm", facts->address + ": " + facts->fault,
-            "is it switched on and wired, and this machine in its network (a Gen3's is "
-            "192.168.1.0/24)?"};
-  return {Verdict::Ok, "arm",
-          facts->address + " answered in " + Micro(facts->answered_s) +
-              " by TCP; the 1 kHz exchange by UDP was not tried"};
+    return {{Verdict::Missing, "arm", facts->address + ": " + facts->fault,
+             "is it switched on and wired, and this machine in its network (a Gen3's is "
+             "192.168.1.0/24)?"}};
+  std::vector<Finding> all{
+      {Verdict::Ok, "arm",
+       facts->address + " answered in " + Micro(facts->answered_s) + " by TCP"}};
+  if (!facts->session_fault.empty())
+    all.push_back({Verdict::Missing, "arm session", facts->session_fault});
+  if (!facts->state.empty()) {
+    const std::string found = facts->state + ", " + facts->servoing +
+                              (facts->faults.empty() ? "" : ", " + Listed(facts->faults));
+    if (facts->state == "ARMSTATE_IN_FAULT" || !facts->faults.empty())
+      all.push_back({Verdict::Missing, "arm state", found, kClearFaults});
+    else if (facts->left_low_level)
+      all.push_back(
+          {Verdict::Note, "arm state", found,
+           "a program runs it, or has left it: then `pliant recover gen3` brings it back"});
+    else
+      all.push_back({Verdict::Ok, "arm state", found});
+  }
+  for (std::size_t i = 0; i < facts->joints.size(); ++i)
+    all.push_back(CheckJoint("arm joint " + std::to_string(i + 1), facts->joints[i]));
+  return all;
 }
 
 }  // namespace pliant

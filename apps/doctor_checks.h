@@ -48,11 +48,27 @@ struct RealTimeFacts {
   double median_s, worst_s;  ///< how late a thread wakes that sleeps until each millisecond
 };
 
-/// The arm at an address; `fault` says why it did not answer.
+/// So many feedbacks are read, one each millisecond.
+inline constexpr int kFeedbacks = 300;
+
+/// What a joint of an arm that is tried said in that time.
+struct ArmJoint {
+  int torques;                                 ///< how many different ones
+  double motor_temperature, core_temperature;  ///< [°C], the last
+  std::vector<std::string> faults;             ///< by the arm's names
+};
+
+/// The arm at an address; `fault` says why it did not answer, `session_fault` why it did not go on
+/// from there.
 struct ArmFacts {
   std::string address;
-  std::string fault;
-  double answered_s;
+  std::string fault = {};
+  double answered_s = 0;
+  std::string session_fault = {};
+  std::string state = {}, servoing = {};  ///< by the arm's names; empty: not known
+  bool left_low_level = false;            ///< it waits for commands that nobody sends
+  std::vector<std::string> faults = {};   ///< of its base
+  std::vector<ArmJoint> joints = {};      ///< empty: no feedback
 };
 
 /// A thread may wake so late, of a tick of 1 ms: what is left is for the controller, some 0.1 ms,
@@ -67,7 +83,8 @@ Finding CheckOutput(const OutputFolder& folder);
 /// are; the rest is where to look if a thread wakes late.
 std::vector<Finding> CheckRealTime(const RealTimeFacts& facts, bool for_arm);
 
-/// Without facts it only says how to try.
-Finding CheckArm(const std::optional<ArmFacts>& facts);
+/// Without facts it only says how to try. A torque sensor has noise: one that says the same all the
+/// time is dead, and few different values are worth a look.
+std::vector<Finding> CheckArm(const std::optional<ArmFacts>& facts);
 
 }  // namespace pliant

@@ -56,7 +56,8 @@ void Say(const std::string& line) {
   if (write(STDERR_FILENO, text.data(), text.size()) < 0) return;  // nobody is left to be told
 }
 
-void HandBack(const Gen3Address& address, std::chrono::milliseconds patience) {
+// An exception must not lead back into what the parent did.
+void HandBack(const Gen3Address& address, std::chrono::milliseconds patience) noexcept {
   const std::string who = "the process that ran the arm at " + address.text() + " is gone";
   const auto until = Clock::now() + patience;
   for (;;) {

@@ -21,8 +21,9 @@ namespace pliant {
 /// where no terminal's signal reaches it, and runs without real-time priority. Two things end it
 /// with this process: a signal to it by its number, and a kill of the whole control group.
 ///
-/// Make it early, before there are many threads: the child is a fork, and what another thread had
-/// locked then stays locked in it. The host's name is looked up before.
+/// Make it early. The child is a fork: what another thread had locked then stays locked in it, and
+/// the first write to each page costs this process a fault, unless its memory is locked afterwards.
+/// The host's name is looked up before.
 class Gen3Guard {
  public:
   /// Throws Error if the host is not known, or there cannot be another process.

@@ -74,8 +74,13 @@ Error Refusal(const Gen3Address& address, const Request& request, const Frame& a
     sub_code = static_cast<int>(error.error_sub_code());
     words = error.error_sub_string();
   }
+  return Refusal(address, request.text, code, sub_code, words);
+}
+
+Error Refusal(const Gen3Address& address, const std::string& asked, int code, int sub_code,
+              const std::string& words) {
   const std::string way_out = WayOut(sub_code);
-  return Error(address.text() + " refused " + request.text + ": " +
+  return Error(address.text() + " refused " + asked + ": " +
                Name(code, &Kinova::Api::ErrorCodes_Name<Kinova::Api::ErrorCodes>) + ", " +
                Name(sub_code, &Kinova::Api::SubErrorCodes_Name<SubErrorCodes>) +
                (words.empty() ? "" : ", \"" + words + "\"") +

@@ -26,6 +26,10 @@ Request SessionRequest(const Gen3Address& address);
 /// words, and a way out of the common ones.
 Error Refusal(const Gen3Address& address, const Request& request, const Frame& answer);
 
+/// The same of plain numbers: ErrorCodes and SubErrorCodes.
+Error Refusal(const Gen3Address& address, const std::string& asked, int code, int sub_code,
+              const std::string& words);
+
 /// What to say if none came.
 Error Silence(const Gen3Address& address, const Request& request, std::chrono::milliseconds limit);
 

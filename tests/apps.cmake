@@ -1,7 +1,7 @@
 # The command is no library: a test compiles the unit it is about.
 find_package(SDL2 REQUIRED)
-pliant_test(apps/arm_address_test.cc LIBRARIES pliant::systems)
-target_sources(apps_arm_address_test PRIVATE ${PROJECT_SOURCE_DIR}/apps/arm_address.cc)
+pliant_test(apps/arm_check_test.cc LIBRARIES pliant::plants pliant_kortex)
+target_sources(apps_arm_check_test PRIVATE ${PROJECT_SOURCE_DIR}/apps/arm_check.cc)
 pliant_test(apps/doctor_checks_test.cc LIBRARIES pliant::systems)
 target_sources(apps_doctor_checks_test PRIVATE ${PROJECT_SOURCE_DIR}/apps/doctor_checks.cc)
 pliant_test(apps/pad_device_test.cc LIBRARIES pliant::controllers SDL2::SDL2)
@@ -11,6 +11,10 @@ pliant_test(apps/progress_line_test.cc LIBRARIES pliant::analysis)
 # The command as a user meets it.
 if(TARGET pliant)
   foreach(name damage doctor emulate identify identify_dynamics interruption output scenario)
+  pliant_test(apps/recover_test.cc LIBRARIES pliant::plants pliant_kortex)
+  target_compile_definitions(apps_recover_test PRIVATE PLIANT_COMMAND="$<TARGET_FILE:pliant>")
+  add_dependencies(apps_recover_test pliant)
+  foreach(name damage doctor identify identify_dynamics interruption output scenario)
     add_test(NAME apps/${name}
              COMMAND Python3::Interpreter -B ${CMAKE_CURRENT_SOURCE_DIR}/apps/${name}_test.py $<TARGET_FILE:pliant>)
     set_tests_properties(apps/${name} PROPERTIES TIMEOUT 300)

@@ -64,3 +64,8 @@ endforeach()
 foreach(name gen3_wire gen3_guard gen3_recovery)
   pliant_test(plants/${name}_test.cc LIBRARIES pliant::plants pliant_kortex)
 endforeach()
+
+# The way through Kinova's SDK, against declarations of its classes: compiled, never linked or run.
+add_library(plants_gen3_sdk_compiles OBJECT ${PROJECT_SOURCE_DIR}/plants/gen3_sdk.cc)
+target_include_directories(plants_gen3_sdk_compiles PRIVATE support/kortex_api)
+target_link_libraries(plants_gen3_sdk_compiles PRIVATE pliant_options pliant::plants pliant_kortex)

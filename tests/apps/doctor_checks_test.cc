@@ -8,6 +8,7 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::Each;
+using ::testing::ElementsAre;
 using ::testing::EndsWith;
 using ::testing::Field;
 using ::testing::HasSubstr;
@@ -143,15 +144,80 @@ TEST(Doctor, NeedsAFolderThatCanBeWrittenToAndHasRoom) {
             "another folder, or give one with --out");
 }
 
+std::vector<std::string> Texts(const ArmFacts& facts) {
+  std::vector<std::string> texts;
+  for (const Finding& finding : CheckArm(facts)) texts.push_back(finding.text());
+  return texts;
+}
+
+/// An arm of one joint, that is well.
+ArmFacts GoodArm() {
+  return {
+      .address = "192.168.1.10:10000",
+      .answered_s = 0.0005,
+      .state = "ARMSTATE_SERVOING_READY",
+      .servoing = "SINGLE_LEVEL_SERVOING",
+      .joints = {{.torques = 299, .motor_temperature = 31, .core_temperature = 36, .faults = {}}}};
+}
+
 TEST(Doctor, NeedsTheArmOnlyIfOneWasNamed) {
-  EXPECT_EQ(CheckArm({}).verdict, Verdict::Note);
-  EXPECT_THAT(CheckArm({}).way_out, HasSubstr("192.168.1.10"));
-  EXPECT_EQ(CheckArm(ArmFacts{"192.168.1.10:10000", "", 0.0005}).text(),
-            "ok       arm               192.168.1.10:10000 answered in 500 us by TCP; the 1 kHz "
-            "exchange by UDP was not tried");
-  const Finding silent = CheckArm(ArmFacts{"192.168.1.10:10000", "Connection timed out", 2});
+  EXPECT_EQ(CheckArm({}).at(0).verdict, Verdict::Note);
+  EXPECT_THAT(CheckArm({}).at(0).way_out, HasSubstr("192.168.1.10"));
+  const Finding silent =
+      CheckArm(ArmFacts{.address = "192.168.1.10:10000", .fault = "Connection timed out"}).at(0);
   EXPECT_EQ(silent.verdict, Verdict::Missing);
   EXPECT_EQ(silent.found, "192.168.1.10:10000: Connection timed out");
+}
+
+TEST(Doctor, FindsNothingOnAnArmThatIsWell) {
+  EXPECT_THAT(
+      Texts(GoodArm()),
+      ElementsAre("ok       arm               192.168.1.10:10000 answered in 500 us by TCP",
+                  "ok       arm state         ARMSTATE_SERVOING_READY, SINGLE_LEVEL_SERVOING",
+                  "ok       arm joint 1       299 different torques of 300, motor 31 C, core "
+                  "36 C"));
+}
+
+TEST(Doctor, NeedsASessionWithTheArm) {
+  const std::vector<std::string> texts =
+      Texts({.address = "a:1", .answered_s = 1e-3, .session_fault = "a:1 refused CreateSession"});
+  EXPECT_THAT(texts, ElementsAre("ok       arm               a:1 answered in 1000 us by TCP",
+                                 "missing  arm session       a:1 refused CreateSession"));
+}
+
+TEST(Doctor, NeedsAnArmWithoutFaults) {
+  ArmFacts facts = GoodArm();
+  facts.state = "ARMSTATE_IN_FAULT";
+  EXPECT_THAT(Texts(facts).at(1),
+              AllOf(StartsWith("missing  arm state"), HasSubstr("recover gen3 --clear-faults")));
+  facts = GoodArm();
+  facts.faults = {"JOINT_FAULT", "NETWORK_ERROR"};
+  EXPECT_THAT(Texts(facts).at(1),
+              AllOf(StartsWith("missing  arm state"), HasSubstr(", JOINT_FAULT, NETWORK_ERROR;")));
+  facts = GoodArm();
+  facts.joints[0].faults = {"FOLLOWING_ERROR"};
+  EXPECT_THAT(Texts(facts).at(2),
+              AllOf(StartsWith("missing  arm joint 1"), HasSubstr("core 36 C, FOLLOWING_ERROR;")));
+}
+
+TEST(Doctor, NotesAnArmThatWasLeftInLowLevelServoing) {
+  ArmFacts facts = GoodArm();
+  facts.servoing = "LOW_LEVEL_SERVOING";
+  facts.left_low_level = true;
+  EXPECT_THAT(Texts(facts).at(1),
+              AllOf(StartsWith("note     arm state"), HasSubstr("`pliant recover gen3`")));
+}
+
+TEST(Doctor, TellsADeadTorqueSensorFromOneWithNoise) {
+  ArmFacts facts = GoodArm();
+  facts.joints[0].torques = 1;
+  EXPECT_THAT(Texts(facts).at(2),
+              AllOf(StartsWith("missing  arm joint 1       1 different torques"),
+                    HasSubstr("its torque sensor is dead")));
+  facts.joints[0].torques = 149;
+  EXPECT_THAT(Texts(facts).at(2), StartsWith("note     arm joint 1"));
+  facts.joints[0].torques = 150;
+  EXPECT_THAT(Texts(facts).at(2), StartsWith("ok       arm joint 1"));
 }
 
 }  // namespace

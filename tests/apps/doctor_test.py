@@ -42,9 +42,11 @@ class Doctor(InFolder):
         with socket.create_server(("127.0.0.1", 0)) as arm:
             address = f"127.0.0.1:{arm.getsockname()[1]}"
             told = self.pliant("doctor", "--arm", address).stdout
-            self.assertRegex(told, rf"\nok       arm +{address} answered in \d+ us by TCP;")
+            self.assertRegex(told, rf"\nok       arm +{address} answered in \d+ us by TCP\n")
+            self.assertRegex(told, rf"\nmissing  arm session +{address} did not answer CreateSession for user 'admin' "
+                                   "within 2 s; ")
         self.assertIn(f"{address}: Connection refused; ", self.missing("arm", "--arm", address))
-        self.refuses("--arm wants an address such as 192.168.1.10 or 192.168.1.10:10000, got 'a:b'",
+        self.refuses("--arm: an arm's address is such as 192.168.1.10 or 192.168.1.10:10000, got 'a:b'",
                      "doctor", "--arm", "a:b")
 
 
