@@ -28,5 +28,7 @@ void AddIdentifyCommands(CLI::App& app, std::vector<Command>& commands);  ///< i
 void AddIdentifyDynamics(CLI::App& app, std::vector<Command>& commands);  ///< identify dynamics
 void AddDoctor(CLI::App& app, std::vector<Command>& commands);
 void AddPad(CLI::App& app, std::vector<Command>& commands);
+void AddEmulate(CLI::App& app, std::vector<Command>& commands);
+void AddEmulateGen3(CLI::App& emulate, std::vector<Command>& commands);
 
 }  // namespace pliant

@@ -64,6 +64,7 @@ int main(int argc, char** argv) {
   pliant::AddIdentifyDynamics(app, commands);
   pliant::AddDoctor(app, commands);
   pliant::AddPad(app, commands);
+  pliant::AddEmulate(app, commands);
 
   // A file that must not grow is an error of writing, not the end.
   std::signal(SIGXFSZ, SIG_IGN);
