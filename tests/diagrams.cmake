@@ -12,4 +12,5 @@ pliant_test(diagrams/external_torque_estimate_test.cc LIBRARIES pliant::diagrams
 pliant_test(diagrams/friction_experiment_test.cc LIBRARIES pliant::diagrams)
 pliant_test(diagrams/gen3_body_test.cc LIBRARIES pliant::diagrams pliant_kortex)
 pliant_test(diagrams/gen3_base_test.cc LIBRARIES pliant::diagrams pliant_kortex)
+pliant_test(diagrams/fault_order_test.cc LIBRARIES pliant::diagrams)
 pliant_test(diagrams/gen3_emulator_test.cc LIBRARIES pliant::diagrams pliant_kortex)

@@ -201,10 +201,13 @@ TEST(Gen3Body, TripsMaximumVelocityAndThenHolds) {
   while (!driven.arm.in_fault() && ++ticks < 2000)
     driven.Step(1, [](Gen3Command& c) { c.actuator[6].current = 3; });
   EXPECT_EQ(driven.Fault(6), config::MAXIMUM_VELOCITY);
-  driven.Step(500, [](Gen3Command& c) { c.actuator[6].current = 3; });
-  const double held = driven.arm.position()(6);
-  driven.Step(500, [](Gen3Command& c) { c.actuator[6].current = 3; });
-  EXPECT_NEAR(driven.arm.position()(6), held, 1e-3);
+  // 52 N·m stop a rotor of 0.22 kg·m² at 200 °/s within 26 mrad; then it comes back.
+  const double tripped = driven.arm.position()(6);
+  for (int k = 0; k < 1000; ++k) {
+    driven.Step(1, [](Gen3Command& c) { c.actuator[6].current = 3; });
+    EXPECT_NEAR(driven.arm.position()(6), tripped, 0.03);
+  }
+  EXPECT_NEAR(driven.arm.position()(6), tripped, 0.01);
 }
 
 TEST(Gen3Body, TripsTheJointsLimitAndLetsItBackIn) {

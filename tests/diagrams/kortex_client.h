@@ -100,6 +100,14 @@ class KortexClient {
   }
   KortexClient(KortexClient&& o) noexcept
       : type_{o.type_}, fd_{std::exchange(o.fd_, -1)}, session{o.session}, id{o.id} {}
+  KortexClient& operator=(KortexClient&& o) noexcept {
+    std::swap(type_, o.type_);
+    std::swap(fd_, o.fd_);
+    std::swap(stream_, o.stream_);
+    std::swap(session, o.session);
+    std::swap(id, o.id);
+    return *this;
+  }
   ~KortexClient() {
     if (fd_ >= 0) ::close(fd_);
   }
@@ -154,6 +162,17 @@ class KortexClient {
     EXPECT_EQ(answer.header.error, 0);
     session = answer.header.session;
     EXPECT_NE(session, 0);
+  }
+  /// The datagrams that are there.
+  std::vector<std::vector<std::byte>> Drain() {
+    std::vector<std::vector<std::byte>> all;
+    for (;;) {
+      std::vector<std::byte> bytes(kortex::kLargestFrame);
+      const ssize_t got = ::recv(fd_, bytes.data(), bytes.size(), MSG_DONTWAIT);
+      if (got < 0) return all;
+      bytes.resize(static_cast<std::size_t>(got));
+      all.push_back(std::move(bytes));
+    }
   }
   int descriptor() const { return fd_; }
 
