@@ -202,7 +202,7 @@ class Gen3Emulator::Loop {
   const steady_clock::time_point start_ = steady_clock::now();
   std::int64_t due_ticks_ = 0;  // of the arm, lost ones included
   double last_command_s_ = -1;
-  bool expired_ = false, full_ = false;
+  bool expired_ = false;
   std::vector<pollfd> polled_;
   std::vector<std::byte> buffer_ = std::vector<std::byte>(kortex::kLargestFrame + 1);
   std::vector<std::byte> frame_ = std::vector<std::byte>(kortex::kLargestFrame);
@@ -367,14 +367,16 @@ void Gen3Emulator::Loop::SendReplies() {
 void Gen3Emulator::Loop::Accept() {
   for (int n = 0; n < 16; ++n) {
     Descriptor fd(::accept4(listener_.get(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
+    const bool full = fd.get() < 0 ? errno == EMFILE || errno == ENFILE
+                                   : connections_.size() >= o_.most_connections;
+    if (full && !connections_.empty())
+      std::ranges::min_element(connections_, {}, &Connection::last_s)->over = true;
+    connections_.remove_if([](const Connection& c) { return c.over; });
     if (fd.get() < 0) return;
     const int yes = 1;
     ::setsockopt(fd.get(), IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
     ++counts_.connections;
-    if (connections_.size() >= o_.most_connections)
-      std::ranges::min_element(connections_, {}, &Connection::last_s)->over = true;
     connections_.push_back({.fd = std::move(fd), .number = ++next_number_, .last_s = Now()});
-    connections_.remove_if([](const Connection& c) { return c.over; });
   }
 }
 

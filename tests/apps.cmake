@@ -10,7 +10,7 @@ pliant_test(apps/progress_line_test.cc LIBRARIES pliant::analysis)
 
 # The command as a user meets it.
 if(TARGET pliant)
-  foreach(name damage doctor identify identify_dynamics interruption output scenario)
+  foreach(name damage doctor emulate_gen3 identify identify_dynamics interruption output scenario)
     add_test(NAME apps/${name}
              COMMAND Python3::Interpreter -B ${CMAKE_CURRENT_SOURCE_DIR}/apps/${name}_test.py $<TARGET_FILE:pliant>)
     set_tests_properties(apps/${name} PROPERTIES TIMEOUT 300)

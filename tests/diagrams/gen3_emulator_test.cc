@@ -297,14 +297,8 @@ TEST(Gen3Emulator, SurvivesNonsenseOnBothChannels) {
     tcp.Open();
     for (int k = 0; k < 100; ++k) {
       udp.Put(nonsense.Next(c.udp.session));
-      const auto bytes = nonsense.Next(tcp.session);
-      // What goes before a frame in a stream: eight bytes and the length.
-      std::vector<std::byte> prefixed = kortex::InStream({}, {});
-      prefixed.resize(12);
-      prefixed[10] = static_cast<std::byte>(bytes.size() >> 8);
-      prefixed[11] = static_cast<std::byte>(bytes.size());
+      std::vector<std::byte> prefixed = InStreamAsIs(nonsense.Next(tcp.session));
       if (k == 99) prefixed[static_cast<std::size_t>(round) % 12] ^= std::byte{4};
-      prefixed.insert(prefixed.end(), bytes.begin(), bytes.end());
       tcp.Put(prefixed);
     }
   }

@@ -10,6 +10,16 @@
 
 namespace pliant {
 
+/// Bytes with what goes before a frame in a stream: eight bytes and their number.
+inline std::vector<std::byte> InStreamAsIs(const std::vector<std::byte>& bytes) {
+  std::vector<std::byte> all = kortex::InStream({}, {});
+  all.resize(12);
+  all[10] = static_cast<std::byte>(bytes.size() >> 8);
+  all[11] = static_cast<std::byte>(bytes.size());
+  all.insert(all.end(), bytes.begin(), bytes.end());
+  return all;
+}
+
 /// Frames as a client sends them, then damaged.
 class Nonsense {
  public:
