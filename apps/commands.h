@@ -34,5 +34,6 @@ void AddRecover(CLI::App& app, std::vector<Command>& commands);  ///< recover ge
 /// Devices of `emulate`.
 void AddEmulateRdt(CLI::App& emulate, std::vector<Command>& commands);
 void AddEmulateBota(CLI::App& emulate, std::vector<Command>& commands);
+void AddEmulateGen3(CLI::App& emulate, std::vector<Command>& commands);
 
 }  // namespace pliant

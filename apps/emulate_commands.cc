@@ -10,6 +10,7 @@ void AddEmulate(CLI::App& app, std::vector<Command>& commands) {
   emulate->require_subcommand(1);
   AddEmulateRdt(*emulate, commands);
   AddEmulateBota(*emulate, commands);
+  AddEmulateGen3(*emulate, commands);
 }
 
 }  // namespace pliant

@@ -13,3 +13,12 @@ pliant_test(diagrams/wrench_sources_test.cc LIBRARIES pliant::diagrams)
 pliant_test(diagrams/external_torque_estimate_test.cc LIBRARIES pliant::diagrams)
 pliant_test(diagrams/friction_experiment_test.cc LIBRARIES pliant::diagrams)
 pliant_test(diagrams/hardware_wrench_loop_test.cc LIBRARIES pliant::diagrams)
+pliant_test(diagrams/gen3_body_test.cc LIBRARIES pliant::diagrams pliant_kortex)
+pliant_test(diagrams/gen3_base_test.cc LIBRARIES pliant::diagrams pliant_kortex)
+pliant_test(diagrams/fault_order_test.cc LIBRARIES pliant::diagrams)
+pliant_test(diagrams/gen3_emulator_test.cc LIBRARIES pliant::diagrams pliant_kortex)
+
+# As long as one has: not a test.
+add_executable(gen3_fuzz EXCLUDE_FROM_ALL long/gen3_fuzz.cc)
+target_link_libraries(gen3_fuzz PRIVATE pliant_options pliant::diagrams pliant_kortex GTest::gtest)
+set_target_properties(gen3_fuzz PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/tests)
