@@ -1,8 +1,8 @@
 #include "pliant/plants/gen3_faults.h"
 
-#include "ActuatorConfig.pb.h"
-#include "Base.pb.h"
-#include "Common.pb.h"
+#include <ActuatorConfig.pb.h>
+#include <Base.pb.h>
+#include <Common.pb.h>
 
 namespace pliant {
 

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <sys/types.h>
-
 #include <chrono>
 
 #include "pliant/plants/gen3_address.h"
@@ -34,11 +32,11 @@ class Gen3Guard {
   Gen3Guard& operator=(const Gen3Guard&) = delete;
 
   /// The child, for who looks at the list of processes.
-  pid_t process() const { return child_; }
+  int process() const { return child_; }
 
  private:
   Socket word_;
-  pid_t child_;
+  int child_;
 };
 
 }  // namespace pliant

@@ -195,17 +195,18 @@ class Gen3Sdk final : public Gen3Link {
   }
 
   Gen3Mode Mode(int joint) override {
-    return Asked(address_, "GetControlMode of actuator " + Text(joint + 1), [&] {
-      return static_cast<Gen3Mode>(
-          actuators_.GetControlMode(Device(joint), Patience()).control_mode());
+    const std::uint32_t device = Device(joint);
+    return Asked(address_, "GetControlMode of actuator " + Text(device), [&] {
+      return static_cast<Gen3Mode>(actuators_.GetControlMode(device, Patience()).control_mode());
     });
   }
 
   void SetMode(int joint, Gen3Mode mode) override {
+    const std::uint32_t device = Device(joint);
     api::ActuatorConfig::ControlModeInformation information;
     information.set_control_mode(static_cast<api::ActuatorConfig::ControlMode>(mode));
-    Asked(address_, "SetControlMode " + Gen3ModeName(mode) + " of actuator " + Text(joint + 1),
-          [&] { actuators_.SetControlMode(information, Device(joint), Patience()); });
+    Asked(address_, "SetControlMode " + Gen3ModeName(mode) + " of actuator " + Text(device),
+          [&] { actuators_.SetControlMode(information, device, Patience()); });
   }
 
   Gen3Feedback Read() override {

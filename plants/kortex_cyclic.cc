@@ -5,7 +5,7 @@
 #include <array>
 #include <optional>
 
-#include "BaseCyclic.pb.h"
+#include <BaseCyclic.pb.h>
 
 namespace pliant::kortex {
 

@@ -139,7 +139,7 @@ bool Exchange::Put(const Header& header, std::span<const std::byte> payload) noe
 
 ssize_t Exchange::Take() noexcept {
   // An error that the kernel reports here, such as a port where nobody listens, is silence.
-  for (int i = 0; i < kMost; ++i) {
+  for (int i = 0; i < 4; ++i) {
     const ssize_t size = recv(socket_.descriptor(), in_.data(), in_.size(), MSG_DONTWAIT);
     if (size >= 0 || errno == EAGAIN) return size;
   }

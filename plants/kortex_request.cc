@@ -1,7 +1,7 @@
 #include "pliant/plants/kortex_request.h"
 
-#include "Errors.pb.h"
-#include "Session.pb.h"
+#include <Errors.pb.h>
+#include <Session.pb.h>
 
 namespace pliant::kortex {
 

@@ -6,8 +6,8 @@
 #include <cstring>
 #include <optional>
 
-#include "ActuatorConfig.pb.h"
-#include "Base.pb.h"
+#include <ActuatorConfig.pb.h>
+#include <Base.pb.h>
 #include "pliant/plants/gen3_faults.h"
 
 namespace pliant::kortex {

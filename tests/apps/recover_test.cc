@@ -37,7 +37,8 @@ std::string At(const FakeGen3& arm) {
 
 TEST(Recover, BringsTheArmBackAndSaysWhatItFound) {
   FakeGen3 arm;
-  const Ended ended = Pliant("recover gen3 --clear-faults --user ann --password x --arm " + At(arm));
+  const Ended ended =
+      Pliant("recover gen3 --clear-faults --user ann --password x --arm " + At(arm));
   EXPECT_EQ(ended.code, 0) << ended.said;
   EXPECT_THAT(ended.said, StartsWith("found: ARMSTATE_SERVOING_READY, SINGLE_LEVEL_SERVOING\n"));
   EXPECT_THAT(ended.said, HasSubstr("\nactuator 7: from NONE to POSITION\n"));

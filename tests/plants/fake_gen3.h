@@ -17,11 +17,11 @@
 #include <thread>
 #include <vector>
 
-#include "ActuatorConfig.pb.h"
-#include "Base.pb.h"
-#include "BaseCyclic.pb.h"
-#include "Errors.pb.h"
-#include "Session.pb.h"
+#include <ActuatorConfig.pb.h>
+#include <Base.pb.h>
+#include <BaseCyclic.pb.h>
+#include <Errors.pb.h>
+#include <Session.pb.h>
 #include "pliant/plants/gen3_address.h"
 #include "pliant/plants/kortex_frame.h"
 #include "pliant/plants/socket.h"

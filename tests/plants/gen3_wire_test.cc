@@ -318,7 +318,6 @@ TEST(Gen3Wire, RunsItsIdsAroundWithoutSendingOneTwice) {
 }
 
 TEST(Gen3Wire, ExchangesWithoutTheHeap) {
-  if (!kCountsAllocations) GTEST_SKIP();
   FakeGen3 arm(To(Function::Refresh, [](const Asked& asked) {
     // Also a field that the messages here do not have, as of the arm's interconnect.
     FakeGen3::Bytes payload = FakeGen3::Of(FakeGen3::Healthy());

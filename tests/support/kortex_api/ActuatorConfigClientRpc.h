@@ -1,7 +1,7 @@
 #pragma once
 
-#include "ActuatorConfig.pb.h"
-#include "IRouterClient.h"
+#include <ActuatorConfig.pb.h>
+#include <IRouterClient.h>
 
 namespace Kinova::Api::ActuatorConfig {
 

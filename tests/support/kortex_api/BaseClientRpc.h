@@ -1,7 +1,7 @@
 #pragma once
 
-#include "Base.pb.h"
-#include "IRouterClient.h"
+#include <Base.pb.h>
+#include <IRouterClient.h>
 
 namespace Kinova::Api::Base {
 

@@ -2,9 +2,9 @@
 
 #include <functional>
 
-#include "BaseCyclic.pb.h"
-#include "Errors.pb.h"
-#include "IRouterClient.h"
+#include <BaseCyclic.pb.h>
+#include <Errors.pb.h>
+#include <IRouterClient.h>
 
 namespace Kinova::Api::BaseCyclic {
 

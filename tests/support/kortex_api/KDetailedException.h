@@ -2,7 +2,7 @@
 
 #include <exception>
 
-#include "KError.h"
+#include <KError.h>
 
 namespace Kinova::Api {
 

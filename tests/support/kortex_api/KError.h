@@ -1,6 +1,6 @@
 #pragma once
 
-#include "Errors.pb.h"
+#include <Errors.pb.h>
 
 namespace Kinova::Api {
 

@@ -2,9 +2,9 @@
 
 #include <functional>
 
-#include "IRouterClient.h"
-#include "ITransportClient.h"
-#include "KError.h"
+#include <IRouterClient.h>
+#include <ITransportClient.h>
+#include <KError.h>
 
 namespace Kinova::Api {
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "IRouterClient.h"
-#include "Session.pb.h"
+#include <IRouterClient.h>
+#include <Session.pb.h>
 
 namespace Kinova::Api {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "ITransportClient.h"
+#include <ITransportClient.h>
 
 namespace Kinova::Api {
 
