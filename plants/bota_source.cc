@@ -12,6 +12,7 @@
 #include <cmath>
 #include <cstring>
 #include <string>
+#include <thread>
 
 #include "pliant/systems/error.h"
 
@@ -50,6 +51,17 @@ void MakeRaw(int port) {
   tcflush(port, TCIFLUSH);
 }
 
+/// Throws away what was sent before somebody read: it is old, and the kernel hands it on in pieces.
+void Forget(int port) {
+  std::array<std::uint8_t, 4096> bytes;
+  for (int i = 0; i < 50; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    ssize_t old = 0, size = 0;
+    while ((size = read(port, bytes.data(), bytes.size())) > 0) old += size;
+    if (old < 500) return;
+  }
+}
+
 }  // namespace
 
 BotaSource::BotaSource(const Options& o)
@@ -69,6 +81,7 @@ BotaSource::BotaSource(const Options& o)
     throw Error("'" + name + "' is no serial port; expected one such as /dev/ttyUSB0");
   }
   MakeRaw(port_);
+  Forget(port_);
 }
 
 BotaSource::~BotaSource() { close(port_); }

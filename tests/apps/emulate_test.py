@@ -10,7 +10,12 @@ import time
 
 from command import InFolder, main
 
-START, STOP = struct.pack(">HHI", 0x1234, 2, 0), struct.pack(">HHI", 0x1234, 0, 0)
+STOP = struct.pack(">HHI", 0x1234, 0, 0)
+
+
+def start(count=0):
+    """A request for so many records, which a socket can hold; 0: for all."""
+    return struct.pack(">HHI", 0x1234, 2, count)
 
 
 def crc16_x25(data):
@@ -57,7 +62,7 @@ class Emulate(InFolder):
 
     def test_sends_rdt_records_to_who_asks(self):
         process, s = self.rdt()
-        s.send(START)
+        s.send(start(200))
         records = [struct.unpack(">3I6i", s.recv(100)) for _ in range(200)]
         self.assertEqual([r[0] for r in records], list(range(1, 201)))
         self.assertEqual({b[1] - a[1] for a, b in zip(records, records[1:])}, {1})
@@ -65,6 +70,8 @@ class Emulate(InFolder):
         for r in records:
             self.assertEqual(r[3:5] + r[6:], (0, 0, 0, 0, 0))
             self.assertTrue(-5000000 <= r[5] <= 0, "the push along z, in millionths of a newton")
+        s.send(start())
+        s.recv(100)
         s.send(STOP)
         s.settimeout(0.5)
         with self.assertRaises(TimeoutError):
@@ -89,14 +96,14 @@ class Emulate(InFolder):
     def test_shows_faults_when_they_are_ordered(self):
         # All along: neither depends on when the first request comes.
         process, s = self.rdt("--fault", "duplicated@0+1000", "--fault", "frozen@0+1000")
-        s.send(START)
+        s.send(start(50))
         records = [struct.unpack(">3I6i", s.recv(100)) for _ in range(100)]
         self.assertEqual([r[0] for r in records], [1 + k // 2 for k in range(100)])
         self.assertEqual({r[1] for r in records}, {0})
         process.kill()
 
         process, s = self.rdt("--fault", "corrupted@0+1000")
-        s.send(START)
+        s.send(start(40))
         self.assertTrue(all(len(s.recv(100)) < 36 for _ in range(40)))
         process.kill()
 

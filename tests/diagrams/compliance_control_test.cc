@@ -206,6 +206,7 @@ TEST(ComplianceControl, YieldsWhileTheToolIsPushedHardAndStaysWhereItIsLeft) {
 TEST(ComplianceControl, LeavesAWrenchThatIsNotValidAlone) {
   ComplianceControl::Options o{.model = RobotModel::FromUrdf(kGen3BotaFile),
                                .position = {0, 0.26, 3.14, -2.27, 0, 0.96, 1.57},
+                               .rotor_inertia = {},
                                .wrist = WristTool{.frame = "FT_sensor_wrench"},
                                .tool = "FT_sensor_wrench"};
   o.modes.emplace().mode = ComplianceMode::Dual;

@@ -472,6 +472,21 @@ TEST(BotaSource, SaysThatASensorCallsItselfFaulty) {
   EXPECT_FALSE(reading.faulty);
 }
 
+TEST(BotaSource, ForgetsWhatWasSentBefore) {
+  BotaEmulator emulator({});
+  for (int k = 0; k < 2000; ++k) emulator.Tick(Numbered(k));
+  EXPECT_LT(emulator.sent(), 2000) << "it does not hold more";
+  BotaSource source({.device = emulator.path()});
+  WrenchReading reading;
+  EXPECT_FALSE(source.Read(reading));
+  for (int k = 2000; k < 2010; ++k) emulator.Tick(Numbered(k));
+  EXPECT_TRUE(Becomes([&] {
+    source.Read(reading);
+    return reading.wrench == Numbered(2009);
+  }));
+  EXPECT_EQ(reading.link.lost, 0U);
+}
+
 // What a terminal would make of them otherwise: line ends, interrupts, stops.
 TEST(BotaSource, ReadsBytesAsTheyAre) {
   Terminal terminal;
