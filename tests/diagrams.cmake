@@ -15,7 +15,6 @@ pliant_test(diagrams/friction_experiment_test.cc LIBRARIES pliant::diagrams)
 pliant_test(diagrams/hardware_wrench_loop_test.cc LIBRARIES pliant::diagrams)
 pliant_test(diagrams/gen3_body_test.cc LIBRARIES pliant::diagrams pliant_kortex)
 pliant_test(diagrams/gen3_base_test.cc LIBRARIES pliant::diagrams pliant_kortex)
-pliant_test(diagrams/fault_order_test.cc LIBRARIES pliant::diagrams)
 pliant_test(diagrams/gen3_emulator_test.cc LIBRARIES pliant::diagrams pliant_kortex)
 
 # As long as one has: not a test.
