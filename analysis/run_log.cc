@@ -1,5 +1,6 @@
 #include "pliant/analysis/run_log.h"
 
+#include "pliant/analysis/write_file.h"
 #include "pliant/plants/parameter_text.h"
 
 namespace pliant {

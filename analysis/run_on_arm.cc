@@ -54,7 +54,7 @@ Wrench WeightOn(const SimulatedArm::Options& arm) {
 /// The mean of what a sensor shows while nothing touches it, less what it ought to show.
 Wrench Tare(WrenchSource& source, const SimulatedArm::Options& arm) {
   const auto end = std::chrono::steady_clock::now() + kTareLimit;
-  Wrench sum = Wrench::Zero();
+  Wrench sum;
   int samples = 0;
   WrenchReading reading;
   while (samples < kTareSamples) {

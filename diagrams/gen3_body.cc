@@ -187,7 +187,7 @@ void Gen3Body::Command(const Gen3Command& command, const Ids& ids, std::uint32_t
     feedback_.actuator[j].jitter_us = jitter_us;
     const int i = Index(j);
     target_(i) = q_(i) + kDegree * std::remainder(asked.position - q_read_(i) / kDegree, 360);
-    torque_(i) = -asked.torque;
+    torque_(i) = asked.torque;  // unlike the sensor, in the joint's direction: example 108
     current_(i) = asked.current;
   }
 }

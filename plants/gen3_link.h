@@ -19,7 +19,8 @@ enum class Gen3Mode : std::uint8_t {
 /// Who moves the arm: its own motion planner, or frames of ours, each millisecond.
 enum class Gen3Servoing : std::uint8_t { SingleLevel = 2, LowLevel = 3 };
 
-/// What a Gen3 is told each millisecond, in the units of the wire and its signs.
+/// What a Gen3 is told each millisecond, in the units of the wire. Torques and currents have the
+/// joint's direction, unlike the torque that it measures.
 struct Gen3Command {
   struct Actuator {
     float position = 0;  ///< [°], within 0 … 360

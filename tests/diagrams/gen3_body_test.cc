@@ -33,7 +33,7 @@ struct Driven {
       Gen3Command command;
       for (std::size_t j = 0; j < 7; ++j) {
         const auto& a = arm.feedback().actuator[j];
-        command.actuator[j] = {.position = a.position, .torque = a.torque, .current = a.current};
+        command.actuator[j] = {.position = a.position, .torque = -a.torque, .current = a.current};
       }
       change(command);
       Gen3Body::Ids ids;
@@ -151,7 +151,7 @@ TEST(Gen3Body, FallsWithoutCurrentTheWayItsWeightPulls) {
   EXPECT_GT(driven.arm.feedback().actuator[1].velocity, 0);
 }
 
-TEST(Gen3Body, PullsWithTheTorqueOfTheWiresSign) {
+TEST(Gen3Body, TakesTorquesInTheJointsDirectionUnlikeWhatItMeasures) {
   Gen3Body::Options o;
   o.station.position = JointPosition{0, 0, 0, 0, 0, 0, 0};  // upright: nothing weighs
   Driven driven(o);
@@ -160,7 +160,7 @@ TEST(Gen3Body, PullsWithTheTorqueOfTheWiresSign) {
   driven.arm.SetMode(0, Gen3Mode::Torque);
   const double start = driven.arm.position()(0);
   driven.Step(200, [](Gen3Command& c) { c.actuator[0].torque = 10; });
-  EXPECT_LT(driven.arm.position()(0), start - 0.01);
+  EXPECT_GT(driven.arm.position()(0), start + 0.01);
 }
 
 TEST(Gen3Body, TripsFollowingErrorBeyondFiveDegrees) {

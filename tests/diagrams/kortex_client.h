@@ -82,7 +82,7 @@ inline api::BaseCyclic::Command Echo(const api::BaseCyclic::Feedback& feedback, 
     auto& b = *command.add_actuators();
     b.set_command_id(id);
     b.set_position(a.position());
-    b.set_torque_joint(a.torque());
+    b.set_torque_joint(-a.torque());
     b.set_current_motor(a.current_motor());
   }
   return command;
