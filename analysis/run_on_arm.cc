@@ -1,5 +1,6 @@
 #include "pliant/analysis/run_on_arm.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <chrono>
 #include <optional>
