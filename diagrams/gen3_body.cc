@@ -192,8 +192,8 @@ void Gen3Body::Command(const Gen3Command& command, const Ids& ids, std::uint32_t
   }
 }
 
-void Gen3Body::Step() {
-  if (servoing_ == Gen3Servoing::LowLevel && silent_ >= 0 && ++silent_ > o_.patience_ticks)
+void Gen3Body::Step(bool late) {
+  if (servoing_ == Gen3Servoing::LowLevel && silent_ >= 0 && !late && ++silent_ > o_.patience_ticks)
     FailBase(base::CYCLIC_DATA_JITTER);
   Drive();
   sim_->AdvanceThroughTick();
