@@ -1,6 +1,8 @@
 // What an emulated Gen3 costs: a millisecond of its arm, a Refresh answered by its base, and one
 // that goes over the sockets of this machine and back.
 
+#include <BaseCyclic.pb.h>
+#include <Session.pb.h>
 #include <arpa/inet.h>
 #include <benchmark/benchmark.h>
 #include <netinet/in.h>
@@ -12,8 +14,6 @@
 #include <string>
 #include <vector>
 
-#include "BaseCyclic.pb.h"
-#include "Session.pb.h"
 #include "pliant/diagrams/gen3_emulator.h"
 
 namespace pliant {

@@ -1,14 +1,15 @@
 #include "pliant/diagrams/gen3_body.h"
 
+#include <ActuatorConfig.pb.h>
+#include <ActuatorCyclic.pb.h>
+#include <Base.pb.h>
+#include <Common.pb.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
-#include "ActuatorConfig.pb.h"
-#include "ActuatorCyclic.pb.h"
-#include "Base.pb.h"
-#include "Common.pb.h"
 #include "pliant/plants/shared_file.h"
 
 namespace pliant {

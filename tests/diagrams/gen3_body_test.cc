@@ -1,14 +1,14 @@
 #include "pliant/diagrams/gen3_body.h"
 
+#include <ActuatorConfig.pb.h>
+#include <Base.pb.h>
+#include <Common.pb.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <functional>
 #include <numbers>
 
-#include "ActuatorConfig.pb.h"
-#include "Base.pb.h"
-#include "Common.pb.h"
 #include "pliant/plants/robot_dynamics.h"
 #include "pliant/tests/plants/arms.h"
 #include "pliant/tests/support/error_of.h"

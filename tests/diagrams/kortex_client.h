@@ -1,5 +1,11 @@
 #pragma once
 
+#include <ActuatorConfig.pb.h>
+#include <Base.pb.h>
+#include <BaseCyclic.pb.h>
+#include <DeviceManager.pb.h>
+#include <Errors.pb.h>
+#include <Session.pb.h>
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
@@ -15,12 +21,6 @@
 #include <utility>
 #include <vector>
 
-#include "ActuatorConfig.pb.h"
-#include "Base.pb.h"
-#include "BaseCyclic.pb.h"
-#include "DeviceManager.pb.h"
-#include "Errors.pb.h"
-#include "Session.pb.h"
 #include "pliant/plants/gen3_link.h"
 #include "pliant/plants/kortex_frame.h"
 
