@@ -345,6 +345,9 @@ TEST(Gen3Body, RefusesWhatItCannotBe) {
     return ErrorOf([&] { Gen3Body arm(o); });
   };
   EXPECT_EQ(refused([](auto& o) { o.patience_ticks = 0; }), "patience_ticks must be > 0, got 0");
+  EXPECT_TRUE(refused([](auto& o) {
+                o.model = RobotModel::FromUrdfText(kTree);
+              }).starts_with("the model of a Gen3 must have 7 joints, got "));
   EXPECT_EQ(refused([](auto& o) { o.station.position = JointPosition{0, 3, 0, 0, 0, 0, 0}; }),
             "position of joint_2 must be within -2.24 … 2.24 rad, got 3");
   EXPECT_EQ(refused([](auto& o) { o.faults = {Order("overspeed@0+1:8")}; }),

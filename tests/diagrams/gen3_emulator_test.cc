@@ -368,6 +368,8 @@ TEST(Gen3Emulator, SaysWhyItCannotListen) {
   EXPECT_EQ(refused({.port = 70000}), "port must be in 0 … 65535, got 70000");
   EXPECT_EQ(refused({.reply_delay = -1us}), "reply_delay must be >= 0 µs, got -1");
   EXPECT_EQ(refused({.service_delay = -1us}), "service_delay must be >= 0 µs, got -1");
+  EXPECT_EQ(refused({.arm = {.faults = LockStep({"lost@0+1"}).faults}}),
+            "faults are those of the emulator, not of its arm");
   EXPECT_EQ(refused({.most_connections = 0}), "most_connections must be > 0, got 0");
 }
 
