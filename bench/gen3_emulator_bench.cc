@@ -1,19 +1,20 @@
 // What an emulated Gen3 costs: a millisecond of its arm, a Refresh answered by its base, and one
 // that goes over the sockets of this machine and back.
 
+#include <BaseCyclic.pb.h>
+#include <Session.pb.h>
 #include <arpa/inet.h>
 #include <benchmark/benchmark.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "BaseCyclic.pb.h"
-#include "Session.pb.h"
 #include "pliant/diagrams/gen3_emulator.h"
 
 namespace pliant {

@@ -1,17 +1,16 @@
 #include "pliant/diagrams/gen3_base.h"
 
+#include <ActuatorConfig.pb.h>
+#include <Base.pb.h>
+#include <BaseCyclic.pb.h>
+#include <DeviceManager.pb.h>
+#include <Errors.pb.h>
+#include <Session.pb.h>
 #include <google/protobuf/stubs/logging.h>
 
 #include <algorithm>
 #include <array>
 #include <utility>
-
-#include "ActuatorConfig.pb.h"
-#include "Base.pb.h"
-#include "BaseCyclic.pb.h"
-#include "DeviceManager.pb.h"
-#include "Errors.pb.h"
-#include "Session.pb.h"
 
 namespace pliant {
 

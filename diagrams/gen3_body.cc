@@ -1,14 +1,15 @@
 #include "pliant/diagrams/gen3_body.h"
 
+#include <ActuatorConfig.pb.h>
+#include <ActuatorCyclic.pb.h>
+#include <Base.pb.h>
+#include <Common.pb.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
-#include "ActuatorConfig.pb.h"
-#include "ActuatorCyclic.pb.h"
-#include "Base.pb.h"
-#include "Common.pb.h"
 #include "pliant/plants/shared_file.h"
 
 namespace pliant {
@@ -192,8 +193,8 @@ void Gen3Body::Command(const Gen3Command& command, const Ids& ids, std::uint32_t
   }
 }
 
-void Gen3Body::Step() {
-  if (servoing_ == Gen3Servoing::LowLevel && silent_ >= 0 && ++silent_ > o_.patience_ticks)
+void Gen3Body::Step(bool late) {
+  if (servoing_ == Gen3Servoing::LowLevel && silent_ >= 0 && !late && ++silent_ > o_.patience_ticks)
     FailBase(base::CYCLIC_DATA_JITTER);
   Drive();
   sim_->AdvanceThroughTick();

@@ -69,8 +69,9 @@ class Gen3Body {
   ///   emergency_stop         EMERGENCY_STOP_ACTIVATED
   static std::vector<FaultOrder::Kind> Kinds();
 
-  /// One millisecond. Throws Error if the simulation cannot go on.
-  void Step();
+  /// One millisecond. One that is late does not count against the patience with commands: they may
+  /// be there. Throws Error if the simulation cannot go on.
+  void Step(bool late = false);
   std::int64_t ticks() const { return ticks_; }
 
   /// Since low-level servoing first began; none before [s].

@@ -37,6 +37,7 @@ constexpr std::size_t kMostAnswers = 64;     // waiting for a client before it i
 constexpr std::size_t kMostBytes = 1 << 16;  // the same, of those the kernel did not take
 constexpr std::size_t kBite = 2048;          // read from a client before others have a turn
 constexpr int kDatagramsATurn = 32, kTicksATurn = 4;
+constexpr double kTick = 1e-3;        // [s]
 constexpr double kMostBehind = 0.05;  // time that is caught up with [s]
 
 std::string SystemError() { return std::strerror(errno); }
@@ -292,7 +293,7 @@ void Gen3Emulator::Loop::TickIfDue() {
         counts_.lost_ticks += lost;
         due_ticks_ += lost;
       }
-      arm_.Step();
+      arm_.Step(late > kTick);
       ++due_ticks_;
     }
   }

@@ -175,6 +175,11 @@ TEST(Gen3Base, EndsTheSessionThatWasSilentForLongestOfTooMany) {
   }
 }
 
+TEST(Gen3Base, HasRoomForASession) {
+  EXPECT_EQ(ErrorOf([] { const Asked asked({.most_sessions = 0}); }),
+            "most_sessions must be in 1 … 65534, got 0");
+}
+
 TEST(Gen3Base, RefusesServoingInAFaultAndAnEmergencyStop) {
   Asked asked;
   asked.Open();

@@ -1,5 +1,11 @@
 #pragma once
 
+#include <ActuatorConfig.pb.h>
+#include <Base.pb.h>
+#include <BaseCyclic.pb.h>
+#include <DeviceManager.pb.h>
+#include <Errors.pb.h>
+#include <Session.pb.h>
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
@@ -15,12 +21,6 @@
 #include <utility>
 #include <vector>
 
-#include "ActuatorConfig.pb.h"
-#include "Base.pb.h"
-#include "BaseCyclic.pb.h"
-#include "DeviceManager.pb.h"
-#include "Errors.pb.h"
-#include "Session.pb.h"
 #include "pliant/plants/gen3_link.h"
 #include "pliant/plants/kortex_frame.h"
 
@@ -157,10 +157,19 @@ class KortexClient {
     EXPECT_EQ(answer->header.id, id);
     return *answer;
   }
+  /// A datagram may be lost where many are under way: asks again.
   void Open() {
-    const Answered answer = Ask(Function::CreateSession, SessionOf());
-    EXPECT_EQ(answer.header.error, 0);
-    session = answer.header.session;
+    const bool stream = type_ == SOCK_STREAM;
+    session = 0;
+    for (int tries = stream ? 1 : 50; tries > 0 && session == 0; --tries) {
+      Send(Function::CreateSession, SessionOf());
+      while (const auto answer = Receive(stream ? 5000 : 200))
+        if (answer->header.id == id) {
+          EXPECT_EQ(answer->header.error, 0);
+          session = answer->header.session;
+          break;
+        }
+    }
     EXPECT_NE(session, 0);
   }
   /// The datagrams that are there.
