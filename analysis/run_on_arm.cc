@@ -94,7 +94,7 @@ class ArmExecution {
     internal::MakeDirectory(o_.out / "logs");
 
     const Gen3Guard guard(address);
-    Hardware hardware{.arm = Connect(address, station), .panel = o_.panel};
+    Hardware hardware{.arm = Connect(address, station), .panel = o_.panel, .faults = o_.faults};
     station.position = hardware.arm->start().position;
     hardware.wrist = SourceOf(station);
     if (hardware.wrist) hardware.wrist_bias = Tare(*hardware.wrist, StationOf(scenario_));

@@ -160,10 +160,13 @@ const Gen3Sample& Gen3Arm::Latest() noexcept {
   if (!begun_) return sample_;
   ++age_;
   for (int k = 0; k < kMostAnswers; ++k) {
+    // One that did not come is lost, and the next may be so too.
+    const auto patience = prompt_ ? o_.lock_step : o_.lock_step / 100;
     const bool waits = newest_ != sent_;
-    if (!o_.link->Receive(arrived_, waits ? o_.lock_step : std::chrono::nanoseconds{0})) break;
+    if (!o_.link->Receive(arrived_, waits ? patience : std::chrono::nanoseconds{0})) break;
     Take(arrived_);
   }
+  prompt_ = newest_ == sent_;
   const Gen3Traffic traffic = o_.link->traffic();
   Gen3Report& report = sample_.report;
   report.sent = traffic.sent;

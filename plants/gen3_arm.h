@@ -113,7 +113,8 @@ class Gen3Arm {
     /// As many ticks may pass without a change of any measured number: sensors have noise. 0: any.
     int frozen_after = 50;
     /// An arm that waits for each frame, as an emulator in lock-step does: services are done in the
-    /// tick that asks for them, and Latest waits for the answer this long. 0: a real arm.
+    /// tick that asks for them, and Latest waits for the answer this long, once one failed to come
+    /// a hundredth of it. 0: a real arm.
     std::chrono::nanoseconds lock_step{0};
   };
 
@@ -163,7 +164,7 @@ class Gen3Arm {
   JointPosition reference_;      // the position commands sent last
   int sent_ = -1, newest_ = -1;  // ids: of the last command, of the newest answer
   int age_ = 0, unchanged_ = 0;
-  bool begun_ = false;
+  bool begun_ = false, prompt_ = true;  // the last answer came in its tick
 
   // Between the tick and the services.
   std::atomic<std::uint8_t> wanted_{kNone};  // a Gen3Mode, as are those of the joints
