@@ -33,6 +33,7 @@ struct ArmRun {
   SafetyReport safety;       ///< at the end
   RunReport timing;          ///< of the ticks
   Gen3Report arm;            ///< frames, and the faults that the arm reports
+  std::string services;      ///< that failed before, in the arm's words; empty: none did
   std::string handing_back;  ///< what did not work there; empty: all did
 
   std::string text() const;  ///< for who stands at the arm

@@ -44,7 +44,9 @@ class LockStepGen3 {
   /// no. So whether an answer counts as lost does not depend on how busy this machine is.
   std::function<std::unique_ptr<Gen3Link>(const Gen3Address&)> connect() {
     return [this](const Gen3Address& address) {
-      return std::make_unique<SureLink>(ConnectGen3(address), emulator_);
+      auto link = std::make_unique<SureLink>(ConnectGen3(address), emulator_);
+      link_ = link.get();
+      return link;
     };
   }
 
@@ -54,6 +56,12 @@ class LockStepGen3 {
   }
   std::string failure() const { return emulator_.failure(); }
   Gen3Emulator::Counts counts() const { return emulator_.counts(); }
+
+  /// Until the link has noticed that its connection is lost; in `at` alone.
+  void AwaitLoss() const {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+    while (link_->connected() && std::chrono::steady_clock::now() < end) std::this_thread::yield();
+  }
 
   /// Called in each step at the time since low-level servoing began, while the run waits for it.
   std::function<void(double t)> at = {};
@@ -114,12 +122,12 @@ class LockStepGen3 {
     {
       const std::lock_guard lock(mutex_);
       moments_.push_back({t, body.position(), body.velocity(), body.commanded_torque(),
-                          body.commanded_current(), body.servoing(), in_position,
-                          body.in_fault()});
+                          body.commanded_current(), body.servoing(), in_position, body.in_fault()});
     }
     if (at && t >= 0) at(t);
   }
 
+  const Gen3Link* link_ = nullptr;
   mutable std::mutex mutex_;
   std::vector<Gen3Moment> moments_;
   Gen3Emulator emulator_;  // the last: its thread uses the others
@@ -127,7 +135,7 @@ class LockStepGen3 {
 
 /// What a run of these tests commands.
 inline std::string ModeText(ControlMode mode) {
-  return mode == ControlMode::Torque             ? "schedule: [{at_s: 0, mode: torque}]\n"
+  return mode == ControlMode::Torque ? "schedule: [{at_s: 0, mode: torque}]\n"
          : mode == ControlMode::TorqueHighVelocity
              ? "schedule: [{at_s: 0, mode: torque_high_velocity}]\n"
              : "";
