@@ -94,7 +94,7 @@ class ArmExecution {
     internal::MakeDirectory(o_.out / "logs");
 
     const Gen3Guard guard(address);
-    Hardware hardware{.arm = Connect(address, station), .panel = o_.panel};
+    Hardware hardware{.arm = Connect(address, station), .panel = o_.panel, .faults = o_.faults};
     station.position = hardware.arm->start().position;
     hardware.wrist = SourceOf(station);
     if (hardware.wrist) hardware.wrist_bias = Tare(*hardware.wrist, StationOf(scenario_));
@@ -164,15 +164,16 @@ class ArmExecution {
 
   /// By another way if its own does not do.
   void HandBack(Gen3Arm& arm, const Gen3Address& address) {
+    result_.services = arm.failures();
     try {
       arm.HandBack();
-      if (arm.failures().empty()) return;
-    } catch (const Error&) {
-      // What it was, failures() says.
+      return;
+    } catch (const Error& e) {
+      result_.handing_back = e.what();
     }
-    result_.handing_back = arm.failures();
     try {
       for (const std::string& line : Recover(address, false)) Say(line);
+      result_.handing_back += "\nanother connection brought it back";
     } catch (const Error& e) {
       result_.handing_back += std::string("\n") + e.what();
     }
@@ -203,6 +204,7 @@ std::string ArmRun::text() const {
       out += "\njoint " + Text(j + 1) + " reports " + name;
   for (const std::string& name : BaseFaultNames(arm.base_fault))
     out += "\nthe base reports " + name;
+  if (!services.empty()) out += "\n" + services;
   if (!handing_back.empty()) out += "\n" + handing_back;
   return out;
 }

@@ -4,9 +4,11 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "pliant/analysis/experiment.h"
 #include "pliant/controllers/operator_panel.h"
+#include "pliant/diagrams/fault_order.h"
 #include "pliant/plants/gen3_address.h"
 #include "pliant/systems/real_time_runner.h"
 
@@ -19,6 +21,7 @@ struct ArmRunOptions {
   RealTimePermissions::Options permissions = {};
   std::shared_ptr<OperatorPanel> panel = std::make_shared<OperatorPanel>();
   std::function<void(const std::string&)> say = {};  ///< lines for who stands at the arm
+  std::vector<FaultOrder> faults = {};               ///< a drill: those of CommandFaults
   /// The way to the arm; empty: its protocol on the wire.
   std::function<std::unique_ptr<Gen3Link>(const Gen3Address&)> connect = {};
 };
@@ -30,6 +33,7 @@ struct ArmRun {
   SafetyReport safety;       ///< at the end
   RunReport timing;          ///< of the ticks
   Gen3Report arm;            ///< frames, and the faults that the arm reports
+  std::string services;      ///< that failed before, in the arm's words; empty: none did
   std::string handing_back;  ///< what did not work there; empty: all did
 
   std::string text() const;  ///< for who stands at the arm
@@ -40,8 +44,7 @@ struct ArmRun {
 ///
 ///   - a guard hands the arm back if this process dies; the arm is asked where it is
 ///   - the offset of a wrist sensor is the mean of 200 measurements less the weight of what hangs
-///   on
-///     it: nothing may touch it then
+///     on it: nothing may touch it then
 ///   - ticks by the wall clock, 1 kHz, or in lock-step with an emulator
 ///   - from the scenario's duration on, or when the panel says so, the arm is stopped
 ///   - the arm is handed back, however the run ends

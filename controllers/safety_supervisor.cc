@@ -119,6 +119,7 @@ SafetySupervisor::Memory SafetySupervisor::Next(const Memory& last, RobotDynamic
   Count(m, seen);
   const Finding found = Look(m, seen);
   if (seen.q.allFinite()) m.q = seen.q;
+  m.age = seen.status.age;
   if (seen.v.allFinite()) m.v = seen.v;
   if (seen.tau.allFinite()) m.tau = seen.tau;
   if (IsMode(seen.mode)) m.asked = seen.mode;
@@ -177,7 +178,9 @@ SafetySupervisor::Finding SafetySupervisor::LookAtMeasurements(const Memory& m,
       return {.cause = cause, .joint = j, .value = x, .limit = limit};
     };
     for (const Finding& found :
-         {check(SafetyCause::VelocityLimit, seen.v(j), s.velocity_limit * v_max_(j)),
+         {check(SafetyCause::PositionJump, m.started ? q - m.q(j) : 0,
+                s.position_jump + m.age * h_ * v_max_(j)),
+          check(SafetyCause::VelocityLimit, seen.v(j), s.velocity_limit * v_max_(j)),
           check(SafetyCause::TorqueLimit, seen.tau(j), s.torque_limit * tau_max_(j)),
           check(SafetyCause::TorqueJump, m.started ? seen.tau(j) - m.tau(j) : 0,
                 s.torque_jump * tau_max_(j)),

@@ -38,6 +38,7 @@ enum class SafetyCause : std::uint8_t {
   StaleFeedback,  ///< older than allowed
   NotFinite,      ///< a measurement is no number
   PositionLimit,  ///< of a joint, with margin
+  PositionJump,   ///< measured, from one measurement to the next
   VelocityLimit,
   TorqueLimit,
   TorqueJump,  ///< measured, from one tick to the next
@@ -52,12 +53,10 @@ enum class SafetyCause : std::uint8_t {
 
 inline const std::vector<std::string>& Words(SafetyCause) {
   static const std::vector<std::string> words{
-      "none",         "user_stop",          "not_connected",
-      "arm_fault",    "joint_fault",        "stale_feedback",
-      "not_finite",   "position_limit",     "velocity_limit",
-      "torque_limit", "torque_jump",        "tracking",
-      "temperature",  "command_not_finite", "command_jump",
-      "divergence",   "overruns",           "mode"};
+      "none",           "user_stop",   "not_connected",  "arm_fault",     "joint_fault",
+      "stale_feedback", "not_finite",  "position_limit", "position_jump", "velocity_limit",
+      "torque_limit",   "torque_jump", "tracking",       "temperature",   "command_not_finite",
+      "command_jump",   "divergence",  "overruns",       "mode"};
   return words;
 }
 
@@ -126,26 +125,29 @@ class SafetySupervisor final : public Block {
   struct Settings {
     int stale_after = 5;            ///< ticks without new measurements, ≥ 1
     double position_margin = 0.01;  ///< inside the joints' limits [rad]
-    double velocity_limit = 0.95;   ///< of the joints' limits
-    double torque_limit = 0.95;     ///< measured, of the joints' limits
-    double torque_jump = 0.4;       ///< measured, of the joints' limits, from tick to tick
-    double command_jump = 0.5;      ///< of the torque or current limits, from tick to tick
-    double tracking = 0.07;         ///< ‖q_d − q‖∞ in position control [rad]
-    double divergence = 1;          ///< of the estimate, of the joints' limits
-    double temperature = 75;        ///< of a motor [°C]
-    int most_missed = 20;           ///< ticks in a second
-    double engage_s = 3;            ///< until the mode asked for must be there
-    double blend_s = 0.5;           ///< T
-    PerJoint damping = {};          ///< D [N·m·s/rad]; empty: 8 % of the torque limits a rad/s
-    double rest_speed = 0.05;       ///< v_rest [rad/s]
-    double damped_s = 3;            ///< t_damped
-    double hold_s = 5;              ///< t_hold
-    double deceleration = 5;        ///< a [rad/s²]
+    double position_jump =
+        0.02;  ///< measured, from one to the next, beside v_max a tick lost [rad]
+    double velocity_limit = 0.95;  ///< of the joints' limits
+    double torque_limit = 0.95;    ///< measured, of the joints' limits
+    double torque_jump = 0.4;      ///< measured, of the joints' limits, from tick to tick
+    double command_jump = 0.5;     ///< of the torque or current limits, from tick to tick
+    double tracking = 0.07;        ///< ‖q_d − q‖∞ in position control [rad]
+    double divergence = 1;         ///< of the estimate, of the joints' limits
+    double temperature = 75;       ///< of a motor [°C]
+    int most_missed = 20;          ///< ticks in a second
+    double engage_s = 3;           ///< until the mode asked for must be there
+    double blend_s = 0.5;          ///< T
+    PerJoint damping = {};         ///< D [N·m·s/rad]; empty: 8 % of the torque limits a rad/s
+    double rest_speed = 0.05;      ///< v_rest [rad/s]
+    double damped_s = 3;           ///< t_damped
+    double hold_s = 5;             ///< t_hold
+    double deceleration = 5;       ///< a [rad/s²]
 
     template <class F>
     void Parameters(F&& f) {
       f("stale_after", stale_after, "", Between(1, 1e6));
       f("position_margin", position_margin, "rad", kNotNegative);
+      f("position_jump", position_jump, "rad", kPositive);
       f("velocity_limit", velocity_limit, "", kPositive);
       f("torque_limit", torque_limit, "", kPositive);
       f("torque_jump", torque_jump, "", kPositive);
@@ -228,6 +230,7 @@ class SafetySupervisor final : public Block {
     double share = 0;                // of the controller in what goes to the arm
     double rest = 0, switching = 0;  // [s] at rest; not in the mode asked for
     double missed = 0;               // ticks; `most_missed` a second are forgiven
+    int age = 0;                     // of the last measurements
     std::int64_t counted = 0;
     std::uint32_t acknowledged = 0;
     bool started = false;
@@ -250,6 +253,7 @@ class SafetySupervisor final : public Block {
       f("rest", rest, "s");
       f("switching", switching, "s");
       f("missed", missed, "");
+      f("age", age, "");
       f("counted", counted, "");
       f("acknowledged", acknowledged, "");
       f("started", started, "");

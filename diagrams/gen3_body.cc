@@ -202,6 +202,7 @@ void Gen3Body::Step(bool late) {
   Measure();
   Check();
   Tell();
+  if (o_.watch) o_.watch(*this);
 }
 
 void Gen3Body::Drive() {

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -49,6 +50,8 @@ class Gen3Body {
     StationOptions station = {.engine = SimbodyPlant::Engine::Recursive};
     int patience_ticks = 20;              ///< > 0
     std::vector<FaultOrder> faults = {};  ///< those of Kinds act
+    /// Sees each step, in the thread that makes it.
+    std::function<void(const Gen3Body&)> watch = {};
   };
 
   explicit Gen3Body(const Options& o);
@@ -95,7 +98,11 @@ class Gen3Body {
   void Command(const Gen3Command& command, const Ids& ids, std::uint32_t frame_id,
                std::uint32_t jitter_us);
 
-  const JointPosition& position() { return sim_->Get(arm_->position); }  ///< q of the plant
+  /// q and v of the plant, and what the joints that are not in position mode are told.
+  const JointPosition& position() const { return sim_->Get(arm_->position); }
+  const JointVelocity& velocity() const { return sim_->Get(arm_->velocity); }
+  const JointTorque& commanded_torque() const { return torque_; }
+  const MotorCurrent& commanded_current() const { return current_; }
 
  private:
   struct Limits {
@@ -116,8 +123,8 @@ class Gen3Body {
   const Options o_;
   SimulatedArm* arm_ = nullptr;
   std::optional<Diagram> diagram_;
-  std::optional<Simulator> sim_;
-  JointPosition lower_, upper_;  // where a limit trips [rad]
+  mutable std::optional<Simulator> sim_;  // Get computes what is not yet
+  JointPosition lower_, upper_;           // where a limit trips [rad]
   JointPosition model_lower_, model_upper_;
 
   std::int64_t ticks_ = 0, began_ = -1;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pliant/controllers/operator_panel.h"
+#include "pliant/diagrams/fault_order.h"
 #include "pliant/plants/friction_file.h"
 #include "pliant/plants/gen3_hardware.h"
 #include "pliant/plants/hardware_wrench.h"
@@ -77,6 +78,7 @@ struct Hardware {
   Wrench wrist_bias = {};  ///< what the sensor shows beside the weight of what hangs on it
   std::shared_ptr<const TickTimes> times = {};
   std::shared_ptr<OperatorPanel> panel = {};
+  std::vector<FaultOrder> faults = {};  ///< of our own side: command_faults.h
 };
 
 /// An arm that is there, behind the ports of SimulatedArm:

@@ -8,6 +8,7 @@
 #include <type_traits>
 
 #include "pliant/controllers/pose_reference.h"
+#include "pliant/diagrams/command_faults.h"
 #include "pliant/plants/model_dynamics.h"
 #include "pliant/plants/shared_file.h"
 #include "pliant/systems/nearest_name.h"
@@ -491,6 +492,7 @@ ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<Recor
   }
   TickTimer* timer = nullptr;
   Operator* watcher = nullptr;
+  CommandFaults* drill = nullptr;
   if (scenario.safety || is_there) {
     const ArmActuators assumed = AssumedActuators(scenario, station);
     safety = &b.Add<SafetySupervisor>(
@@ -505,6 +507,13 @@ ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<Recor
         &b.Add<Operator>("operator", {.panel = of.panel,
                                       .stop_at_s = is_there ? scenario.duration_s : kUnbounded,
                                       .period = period});
+    if (!of.faults.empty())
+      drill = &b.Add<CommandFaults>(
+          "drill", {.model = ModelOf(controller),
+                    .position = station.position,
+                    .current_limit = FiguresOf(assumed.joint, &ActuatorParameters::current_limit),
+                    .faults = of.faults,
+                    .period = period});
   }
   // A simulated arm, one that is there and a supervisor have the same ports.
   const auto with_arm = [&](const auto& act) {
@@ -514,7 +523,9 @@ ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<Recor
       act(*hardware);
   };
   const auto with_commanded = [&](const auto& act) {
-    if (safety)
+    if (drill)
+      act(*drill);
+    else if (safety)
       act(*safety);
     else
       with_arm(act);
@@ -554,13 +565,17 @@ ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<Recor
         b.Connect(from.temperature, to.temperature);
     });
     with_commanded([&](auto& by) { b.Connect(to.current, by.current_command); });
-    if (safety) {
-      b.Connect(to.torque, safety->torque_command);
+    const auto watch = [&](auto& by) {
+      b.Connect(to.torque, by.torque_command);
       if constexpr (requires { to.external_torque; })
-        b.Connect(to.external_torque, safety->external_torque);
-    } else {
+        b.Connect(to.external_torque, by.external_torque);
+    };
+    if (drill)
+      watch(*drill);
+    else if (safety)
+      watch(*safety);
+    else
       command_torque(to.torque);
-    }
     if (is_there) return;
     if constexpr (requires { to.true_torque; }) b.Connect(true_torque->torque, to.true_torque);
     if constexpr (requires { to.contacts; })
@@ -590,8 +605,19 @@ ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<Recor
   with_commanded([&](auto& by) {
     if (control && (compliance->command == ArmCommand::Position || switches))
       b.Connect(control->position, by.position_command);  // else it holds its start
-    b.Connect(switches ? control->arm_mode : schedule->mode, by.mode);
   });
+  const Output<ControlMode>& mode = switches ? control->arm_mode : schedule->mode;
+  if (safety)
+    b.Connect(mode, safety->mode);
+  else
+    with_arm([&](auto& by) { b.Connect(mode, by.mode); });
+  if (drill) {
+    b.Connect(drill->spoilt_position, safety->position_command);
+    b.Connect(drill->spoilt_torque, safety->torque_command);
+    b.Connect(drill->spoilt_current, safety->current_command);
+    b.Connect(drill->spoilt_estimate, safety->external_torque);
+    b.Connect(timer->timing, drill->timing);
+  }
   if (safety) {
     with_arm([&](auto& of_arm) {
       b.Connect(of_arm.measured_position, safety->measured_position);
@@ -600,7 +626,7 @@ ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<Recor
       b.Connect(of_arm.status, safety->status);
       if constexpr (requires { of_arm.temperature; })
         b.Connect(of_arm.temperature, safety->temperature);
-      b.Connect(timer->timing, safety->timing);
+      b.Connect(drill ? drill->spoilt_timing : timer->timing, safety->timing);
       b.Connect(watcher->word, safety->word);
       b.Connect(safety->report, watcher->report);
       b.Connect(safety->arm_mode, of_arm.mode);
@@ -630,6 +656,9 @@ ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<Recor
   if (safety)
     record(safety->report, safety->arm_mode, safety->arm_position, safety->arm_torque,
            safety->arm_current, timer->timing, watcher->word);
+  if (drill)
+    record(drill->spoilt_position, drill->spoilt_torque, drill->spoilt_current,
+           drill->spoilt_estimate, drill->spoilt_timing);
   for (const internal::Value* value : recorded) record(*value);
 }
 

@@ -165,6 +165,8 @@ std::vector<Push::Options> PushesOf(const Scenario& scenario);
 ///
 ///   control, arm, timer, operator ─▶ safety ─▶ arm
 ///
+/// A drill spoils what comes from the control and the timer on the way.
+///
 /// An arm that is there has no environment but its own: nothing here knows true torques.
 ///
 /// True torques are those of contacts as a controller's ticks see them, by the plant's own model.

@@ -14,6 +14,7 @@ constexpr double kDegree = std::numbers::pi / 180;  // [rad]
 constexpr std::uint32_t kInFault = 4;               // ArmState
 constexpr std::uint32_t kMajorFault = 0x1000;       // StatusFlags
 constexpr int kMostAnswers = 16;                    // taken in a tick
+constexpr int kMostRefusals = 3;                    // in a row
 constexpr auto kServicePause = std::chrono::milliseconds(2);
 
 Gen3Mode ModeOf(ControlMode mode) {
@@ -105,8 +106,11 @@ Gen3Arm::~Gen3Arm() {
 }
 
 bool Gen3Arm::Moves(int joint) const noexcept {
-  const auto mode = mode_[static_cast<std::size_t>(joint)].load(std::memory_order_relaxed);
-  return mode != kNone && mode != static_cast<std::uint8_t>(Gen3Mode::Position);
+  const auto i = static_cast<std::size_t>(joint);
+  constexpr auto kPosition = static_cast<std::uint8_t>(Gen3Mode::Position);
+  const auto mode = mode_[i].load(std::memory_order_relaxed);
+  return mode != kNone && mode != kPosition &&
+         asked_[i].load(std::memory_order_relaxed) != kPosition;
 }
 
 /// What has just arrived, if it is new.
@@ -160,20 +164,24 @@ const Gen3Sample& Gen3Arm::Latest() noexcept {
   if (!begun_) return sample_;
   ++age_;
   for (int k = 0; k < kMostAnswers; ++k) {
+    // One that did not come is lost, and the next may be so too.
+    const auto patience = prompt_ ? o_.lock_step : o_.lock_step / 100;
     const bool waits = newest_ != sent_;
-    if (!o_.link->Receive(arrived_, waits ? o_.lock_step : std::chrono::nanoseconds{0})) break;
+    if (!o_.link->Receive(arrived_, waits ? patience : std::chrono::nanoseconds{0})) break;
     Take(arrived_);
   }
+  prompt_ = newest_ == sent_;
   const Gen3Traffic traffic = o_.link->traffic();
   Gen3Report& report = sample_.report;
   report.sent = traffic.sent;
+  refusals_ = age_ > 0 && traffic.refused > report.refused ? refusals_ + 1 : 0;
   report.refused = traffic.refused;
   report.unreadable = traffic.unreadable;
   report.unsent = traffic.unsent;
   ArmStatus& status = sample_.status;
   status.age =
       o_.frozen_after > 0 && unchanged_ > o_.frozen_after ? std::max(age_, unchanged_) : age_;
-  status.connected = !failed_ && o_.link->connected();
+  status.connected = !failed_ && refusals_ < kMostRefusals && o_.link->connected();
   const std::uint8_t wanted = wanted_;
   status.switching = 0;
   for (int j = 0; j < kGen3Joints; ++j)
@@ -250,6 +258,7 @@ bool Gen3Arm::ServeOne() {
   for (int j = 0; j < kGen3Joints; ++j) {
     std::atomic<std::uint8_t>& mode = mode_[static_cast<std::size_t>(j)];
     if (mode == wanted) continue;
+    asked_[static_cast<std::size_t>(j)] = wanted;
     if (Try("the mode of a joint", [&] { o_.link->SetMode(j, static_cast<Gen3Mode>(wanted)); }))
       mode = wanted;
     return true;
@@ -263,9 +272,14 @@ void Gen3Arm::Serve(const std::stop_token& stop) {
 }
 
 void Gen3Arm::GiveBack() {
-  for (int j = 0; j < kGen3Joints; ++j)
+  bool leads = true;
+  Try("who moves the arm", [&] { leads = o_.link->Servoing() == Gen3Servoing::LowLevel; });
+  constexpr auto kPosition = static_cast<std::uint8_t>(Gen3Mode::Position);
+  for (int j = 0; j < kGen3Joints && leads && o_.link->connected(); ++j) {
+    asked_[static_cast<std::size_t>(j)] = kPosition;
     if (Try("position mode of a joint", [&] { o_.link->SetMode(j, Gen3Mode::Position); }))
-      mode_[static_cast<std::size_t>(j)] = static_cast<std::uint8_t>(Gen3Mode::Position);
+      mode_[static_cast<std::size_t>(j)] = kPosition;
+  }
   Try("the arm's own servoing", [&] { o_.link->SetServoing(Gen3Servoing::SingleLevel); });
 }
 
@@ -275,7 +289,7 @@ void Gen3Arm::HandBack() {
     services_.request_stop();
     services_.join();
   }
-  const bool worked = !failed_;
+  const std::size_t before = failures().size();
   if (o_.lock_step.count() > 0) {
     GiveBack();
   } else {
@@ -291,7 +305,9 @@ void Gen3Arm::HandBack() {
       std::this_thread::sleep_for(std::chrono::duration<double>(seconds(o_.period)));
     }
   }
-  if (worked && failed_) throw Error("the arm was not handed back whole\n" + failures());
+  std::string failed = failures().substr(before);
+  if (failed.starts_with('\n')) failed.erase(0, 1);
+  if (!failed.empty()) throw Error("the arm was not handed back whole\n" + failed);
 }
 
 std::string Gen3Arm::failures() const {

@@ -92,13 +92,16 @@ struct Gen3Sample {
 /// servoing, and as soon as it has it for the mode, one joint after another. Services take some
 /// 25 ms each and have a thread of their own; the frames go on meanwhile. A joint that is not in
 /// position mode gets its own measured position as position command: if frames fail to come, its
-/// firmware notices the growing error and holds (example 108 of the vendor).
+/// firmware notices the growing error and holds (example 108 of the vendor). So does one whose answer
+/// to position mode does not come: it may be in it, and is led as if it were.
 ///
 /// What is sent is finite and within limits, whatever is commanded: torques, currents and the pace
 /// of positions are cut; in the place of a number that is none stays the last one.
 ///
+/// An arm that refuses commands for three ticks in a row is not connected: its session is over.
+///
 /// HandBack, or the end of this object, puts all joints into position mode where they are and the
-/// arm back to its own servoing.
+/// arm back to its own servoing. One that has left low-level servoing by itself has done the first.
 ///
 /// Source: signs and the sequence are those of github.com/Kinovarobotics/Kinova-kortex2_Gen3_G3L
 /// (examples 108, 200) and github.com/mathieu-celerier/mc_kortex.
@@ -113,7 +116,8 @@ class Gen3Arm {
     /// As many ticks may pass without a change of any measured number: sensors have noise. 0: any.
     int frozen_after = 50;
     /// An arm that waits for each frame, as an emulator in lock-step does: services are done in the
-    /// tick that asks for them, and Latest waits for the answer this long. 0: a real arm.
+    /// tick that asks for them, and Latest waits for the answer this long, once one failed to come
+    /// a hundredth of it. 0: a real arm.
     std::chrono::nanoseconds lock_step{0};
   };
 
@@ -163,11 +167,12 @@ class Gen3Arm {
   JointPosition reference_;      // the position commands sent last
   int sent_ = -1, newest_ = -1;  // ids: of the last command, of the newest answer
   int age_ = 0, unchanged_ = 0;
-  bool begun_ = false;
+  int refusals_ = 0;                    // ticks in a row with nothing but refusals
+  bool begun_ = false, prompt_ = true;  // the last answer came in its tick
 
   // Between the tick and the services.
   std::atomic<std::uint8_t> wanted_{kNone};  // a Gen3Mode, as are those of the joints
-  Fields mode_{};
+  Fields mode_{}, asked_{};  // as answered; as asked for last, answered or not
   std::atomic<bool> low_level_{false}, failed_{false}, over_{false};
   mutable std::mutex failures_mutex_;
   std::string failures_;

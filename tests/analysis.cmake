@@ -50,6 +50,7 @@ pliant_test(analysis/friction_claim_test.cc LIBRARIES pliant::analysis)
 pliant_test(analysis/motion_claims_test.cc LIBRARIES pliant::analysis)
 pliant_test(analysis/compliance_claims_test.cc LIBRARIES pliant::analysis)
 pliant_test(analysis/experiment_figures_test.cc LIBRARIES pliant::analysis)
+pliant_test(analysis/run_on_arm_test.cc LIBRARIES pliant::analysis)
 pliant_test(analysis/experiment_test.cc LIBRARIES pliant::analysis)
 pliant_test(analysis/run_experiment_test.cc LIBRARIES pliant::analysis)
 pliant_test(analysis/work_precision_test.cc LIBRARIES pliant::analysis)
@@ -79,3 +80,17 @@ set_target_properties(analysis_experiment_sample PROPERTIES RUNTIME_OUTPUT_DIREC
 add_test(NAME analysis/experiment_schema
          COMMAND ${PLIANT_PYTHON} -B ${CMAKE_CURRENT_SOURCE_DIR}/analysis/experiment_schema_test.py
                  ${PROJECT_SOURCE_DIR} $<TARGET_FILE:analysis_experiment_sample>)
+
+# An arm and its faults: a program for each mode in turn.
+add_executable(analysis_fault_matrix_test analysis/fault_matrix_test.cc)
+target_link_libraries(analysis_fault_matrix_test PRIVATE pliant_options pliant::analysis GTest::gmock
+                                                         GTest::gtest_main)
+set_target_properties(analysis_fault_matrix_test PROPERTIES RUNTIME_OUTPUT_DIRECTORY
+                                                            ${PROJECT_BINARY_DIR}/tests)
+target_compile_definitions(analysis_fault_matrix_test PRIVATE PLIANT_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+target_precompile_headers(analysis_fault_matrix_test REUSE_FROM pliant_precompiled)
+foreach(mode position torque torque_high_velocity current)
+  add_test(NAME analysis/fault_matrix/${mode}
+           COMMAND analysis_fault_matrix_test --gtest_filter=*/${mode})
+  set_tests_properties(analysis/fault_matrix/${mode} PROPERTIES TIMEOUT 600)
+endforeach()
