@@ -93,7 +93,7 @@ class ArmExecution {
                   " exists; give --force to write over it, or another --out");
     internal::MakeDirectory(o_.out / "logs");
 
-    const Gen3Guard guard(address);
+    Gen3Guard guard(address);
     Hardware hardware{.arm = Connect(address, station), .panel = o_.panel, .faults = o_.faults};
     station.position = hardware.arm->start().position;
     hardware.wrist = SourceOf(station);
@@ -129,7 +129,7 @@ class ArmExecution {
     }
     const double wall =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    HandBack(*hardware.arm, address);
+    HandBack(*hardware.arm, address, guard);
     result_.timing = runner.report();
     result_.safety = sim.Get(scene.safety->report);
     result_.arm = sim.Get(scene.hardware->report);
@@ -157,13 +157,15 @@ class ArmExecution {
         .link = o_.connect ? o_.connect(address) : ConnectGen3(address),
         .model = known.model,
         .current_limit = FiguresOf(known.actuators.joint, &ActuatorParameters::current_limit),
+        .torque_per_ampere = known.actuators.torque_per_ampere(),
+        .period = ControlPeriodOf(scenario_),
         .clear_faults = station.clear_faults,
         .frozen_after = station.frozen_after,
         .lock_step = station.lock_step ? kLockStepLimit : std::chrono::nanoseconds(0)});
   }
 
   /// By another way if its own does not do.
-  void HandBack(Gen3Arm& arm, const Gen3Address& address) {
+  void HandBack(Gen3Arm& arm, const Gen3Address& address, Gen3Guard& guard) {
     result_.services = arm.failures();
     try {
       arm.HandBack();
@@ -176,6 +178,7 @@ class ArmExecution {
       result_.handing_back += "\nanother connection brought it back";
     } catch (const Error& e) {
       result_.handing_back += std::string("\n") + e.what();
+      guard.NotHandedBack();
     }
   }
 

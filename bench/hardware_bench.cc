@@ -129,6 +129,8 @@ void Tick(benchmark::State& state) {
         .link = std::make_shared<NoNetwork>(),
         .model = known.model,
         .current_limit = FiguresOf(known.actuators.joint, &ActuatorParameters::current_limit),
+        .torque_per_ampere = known.actuators.torque_per_ampere(),
+        .frozen_after = 0,
         .lock_step = std::chrono::seconds(1)});
     Show(state, Run(arm, {.paced = false}, 32));
   }

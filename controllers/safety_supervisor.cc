@@ -10,7 +10,9 @@ namespace pliant {
 
 namespace {
 
+constexpr int kFresh = 3;                 // ticks; a velocity as old as that is none of now
 constexpr double kRest_s = 0.2;           // at rest for so long, an arm is
+constexpr double kFastestCommand = 1.5;   // of positions, of the joints' velocity limits
 constexpr double kDampingOfLimit = 0.08;  // D per torque limit [s/rad]
 constexpr double kLargestRate = 0.1;      // of D h/M_jj: far from shaking
 
@@ -22,6 +24,7 @@ bool HoldsAtOnce(SafetyCause cause) {
     case SafetyCause::JointFault:
     case SafetyCause::StaleFeedback:
     case SafetyCause::NotFinite:
+    case SafetyCause::TorqueJump:  // torque control would go by a sensor that may be torn
     case SafetyCause::Mode:
       return true;
     default:
@@ -106,7 +109,7 @@ SafetySupervisor::SafetySupervisor(const Options& o)
 SafetySupervisor::Memory SafetySupervisor::Before(const Options& o) {
   const Joints& joints = o.model.joints();
   Memory m;
-  m.q = m.position = o.position;
+  m.q = m.position = m.held = o.position;
   m.v = m.rate = JointVelocity::Zero(joints);
   m.tau = m.tau_d = m.torque = JointTorque::Zero(joints);
   m.i_d = m.current = MotorCurrent::Zero(joints);
@@ -139,12 +142,19 @@ void SafetySupervisor::Count(Memory& m, const Seen& seen) const {
   m.counted = seen.timing.missed;
   const bool rests = seen.v.cwiseAbs().maxCoeff() < o_.settings.rest_speed;
   m.rest = rests ? m.rest + h_ : 0;
-  m.switching = IsThere(m, seen) ? 0 : m.switching + h_;
+  m.switching = IsReady(m, seen) ? 0 : m.switching + h_;
 }
 
 /// Whether the arm is in the mode it was told.
 bool SafetySupervisor::IsThere(const Memory& m, const Seen& seen) const {
   return seen.status.mode == m.mode && seen.status.switching == 0;
+}
+
+/// Whether the controller may have the arm: it is in the mode, and near what it is to follow.
+bool SafetySupervisor::IsReady(const Memory& m, const Seen& seen) const {
+  return IsThere(m, seen) &&
+         (m.mode != ControlMode::Position || m.report.state != SafetyState::Engaging ||
+          (seen.q_d - seen.q).cwiseAbs().maxCoeff() <= o_.settings.tracking);
 }
 
 SafetySupervisor::Finding SafetySupervisor::LookAtArm(const Seen& seen) const {
@@ -163,10 +173,11 @@ SafetySupervisor::Finding SafetySupervisor::LookAtArm(const Seen& seen) const {
 SafetySupervisor::Finding SafetySupervisor::LookAtMeasurements(const Memory& m,
                                                                const Seen& seen) const {
   const Settings& s = o_.settings;
+  for (int j = 0; j < o_.model.size(); ++j)
+    if (!std::isfinite(seen.q(j)) || !std::isfinite(seen.v(j)) || !std::isfinite(seen.tau(j)))
+      return {.cause = SafetyCause::NotFinite, .joint = j};
   for (int j = 0; j < o_.model.size(); ++j) {
     const double q = seen.q(j);
-    if (!std::isfinite(q) || !std::isfinite(seen.v(j)) || !std::isfinite(seen.tau(j)))
-      return {.cause = SafetyCause::NotFinite, .joint = j};
     const double lower = lower_(j) + s.position_margin, upper = upper_(j) - s.position_margin;
     if (q < lower || q > upper)
       return {.cause = SafetyCause::PositionLimit,
@@ -186,7 +197,7 @@ SafetySupervisor::Finding SafetySupervisor::LookAtMeasurements(const Memory& m,
                 s.torque_jump * tau_max_(j)),
           check(SafetyCause::Divergence, seen.estimate(j), s.divergence * tau_max_(j))})
       if (found.cause != SafetyCause::None) return found;
-    if (seen.temperature(j) > s.temperature)
+    if (!(seen.temperature(j) <= s.temperature))
       return {.cause = SafetyCause::Temperature,
               .joint = j,
               .value = seen.temperature(j),
@@ -205,6 +216,8 @@ SafetySupervisor::Finding SafetySupervisor::LookAtCommands(const Memory& m,
     switch (seen.mode) {
       case ControlMode::Position:
         x = seen.q_d(j);
+        step = m.mode == seen.mode && m.share >= 1 ? x - m.position(j) : 0;
+        limit = kFastestCommand * v_max_(j) * h_;
         break;
       case ControlMode::Torque:
       case ControlMode::TorqueHighVelocity:
@@ -242,6 +255,10 @@ SafetySupervisor::Finding SafetySupervisor::Look(const Memory& m, const Seen& se
     return {.cause = SafetyCause::Overruns,
             .value = m.missed,
             .limit = static_cast<double>(o_.settings.most_missed)};
+  if (m.switching > o_.settings.engage_s && IsThere(m, seen))
+    return {.cause = SafetyCause::Tracking,
+            .value = (seen.q_d - seen.q).cwiseAbs().maxCoeff(),
+            .limit = o_.settings.tracking};
   if (m.switching > o_.settings.engage_s)
     return {.cause = SafetyCause::Mode, .value = m.switching, .limit = o_.settings.engage_s};
   return {};
@@ -255,14 +272,20 @@ void SafetySupervisor::Enter(Memory& m, SafetyState state) {
   m.share = 0;
 }
 
-/// r begins where the arm is, or where position control has led it.
+/// r begins where the arm is, or near it where position control has led it. What is wrong may be
+/// the way that it was led: but for a stop that was asked for, the rate is the measured one.
 void SafetySupervisor::Hold(Memory& m) const {
-  if (m.mode != ControlMode::Position) {
-    m.position = m.q;
-    m.rate = m.v;
-  }
+  const PerJoint lead = m.position - m.q;
+  const PerJoint most = PerJoint::Constant(lead.size(), o_.settings.tracking);
+  m.position = m.mode == ControlMode::Position ? PerJoint(m.q + Cut(lead, most)) : PerJoint(m.q);
+  if (m.mode != ControlMode::Position || m.report.cause != SafetyCause::UserStop) m.rate = m.v;
   m.rate = Cut(m.rate, v_max_);
   Enter(m, SafetyState::Holding);
+}
+
+void SafetySupervisor::Engage(Memory& m) {
+  m.held = m.mode == ControlMode::Position ? m.position : m.q;
+  Enter(m, SafetyState::Engaging);
 }
 
 void SafetySupervisor::Move(Memory& m, const Seen& seen, const Finding& found) const {
@@ -285,18 +308,18 @@ void SafetySupervisor::Move(Memory& m, const Seen& seen, const Finding& found) c
           Hold(m);
         else
           Enter(m, SafetyState::Damped);
-      } else if (m.asked == ControlMode::Position || (m.asked == m.mode && IsThere(m, seen))) {
+      } else if (m.asked == m.mode && IsReady(m, seen)) {
         if (report.state == SafetyState::Engaging) Enter(m, SafetyState::Running);
         m.share = std::min(1.0, m.share + h_ / s.blend_s);
       } else if (report.state == SafetyState::Running) {
-        Enter(m, SafetyState::Engaging);
+        Engage(m);
       }
       break;
     case SafetyState::Damped:
     case SafetyState::Holding:
       if (acknowledged && !faulty && report.cause != SafetyCause::UserStop) {
         report.cause = SafetyCause::None;
-        Enter(m, SafetyState::Engaging);
+        Engage(m);
       } else if (report.state == SafetyState::Damped) {
         if (HoldsAtOnce(found.cause) || m.rest >= kRest_s || report.since >= s.damped_s) Hold(m);
       } else if (report.since >= s.hold_s ||
@@ -318,14 +341,25 @@ void SafetySupervisor::Command(Memory& m, const Seen& seen, RobotDynamics& work)
     m.mode = ControlMode::Position;
     const PerJoint slower = PerJoint::Constant(m.rate.size(), o_.settings.deceleration * h_);
     m.rate -= Cut(m.rate, slower);
-    m.position = (m.position + h_ * m.rate).cwiseMin(upper_).cwiseMax(lower_);
+    for (int j = 0; j < o_.model.size(); ++j) {
+      double& r = m.position(j);
+      if (seen.status.switching >> j & 1) {  // until it is in position control, it moves on
+        r = m.q(j);
+        m.rate(j) = std::clamp(m.v(j), -v_max_(j), v_max_(j));
+      } else {
+        r = std::clamp(r + h_ * m.rate(j), std::min(lower_(j), m.q(j)),
+                       std::max(upper_(j), m.q(j)));
+      }
+    }
   } else if (has_controller) {
     m.mode = m.asked;
-    if (m.mode == ControlMode::Position && seen.q_d.allFinite()) {
-      m.rate = m.started ? PerJoint((seen.q_d - m.position) / h_)
-                         : PerJoint(PerJoint::Zero(m.rate.size()));
+    const PerJoint before = m.position;
+    if (m.mode == ControlMode::Position && m.share >= 1)
       m.position = seen.q_d;
-    }
+    else
+      m.position = m.held + m.share * (seen.q_d.allFinite() ? PerJoint(seen.q_d - m.held)
+                                                            : PerJoint::Zero(m.held.size()));
+    m.rate = (m.position - before) / h_;
   }
 
   const double part = has_controller && m.mode != ControlMode::Position ? m.share : 0;
@@ -336,7 +370,8 @@ void SafetySupervisor::Command(Memory& m, const Seen& seen, RobotDynamics& work)
   }
   ComputeDynamics(o_.model, m.q, JointVelocity(PerJoint::Zero(m.q.size())), work);
   // An old velocity would brake a motion that is over.
-  const PerJoint v = seen.status.age == 0 ? PerJoint(m.v) : PerJoint(PerJoint::Zero(m.v.size()));
+  const PerJoint v =
+      seen.status.age < kFresh ? PerJoint(m.v) : PerJoint(PerJoint::Zero(m.v.size()));
   const PerJoint D = D_.cwiseMin(kLargestRate / h_ * work.M.diagonal());
   const PerJoint damped = work.gravity - D.cwiseProduct(v);
   m.torque = Cut((1 - part) * damped + part * m.tau_d, tau_max_);

@@ -105,15 +105,16 @@ struct SafetyReport {
 ///   Engaging ──▶ Running ──▶ Damped ──▶ Holding ──▶ Stopped
 ///       ▲           │  fault   │ ▲  at rest  ▲  after t_hold
 ///       └───────────┴──────────┴─┼───────────┘
-///            acknowledged        └─ position control, stale feedback or the arm's own fault:
-///                                   at once to Holding
+///            acknowledged        └─ position control, feedback that is not to be trusted or
+///                                   the arm's own fault: at once to Holding
 ///
 ///   Damped    τ = g(q) − D q̇, cut at the limits;  i = τ/κ
-///   Holding   position control; r begins at q, or of position control where r was, and comes to
-///             rest with the deceleration a
+///   Holding   position control; r begins at q, or of position control where r was but no further
+///             from q than `tracking`, and comes to rest with the deceleration a
 ///
 /// Engaging and, after it, T seconds of blending lead from the damped law to the controller's
-/// torques or currents; positions are passed on. D_j is no larger than M_jj/(10 h), so that it does
+/// torques or currents; in position control from where the arm is held to q_d, which must be within
+/// `tracking` of it. D_j is no larger than M_jj/(10 h), so that it does
 /// not shake joints without rotors. Damped lasts until all joints are slower than v_rest for 0.2 s,
 /// t_damped at most. A fault stays until it is acknowledged while it is no longer there, in Damped
 /// or Holding; the first cause is reported. A stop that the user asked for cannot be acknowledged.
@@ -122,19 +123,20 @@ struct SafetyReport {
 /// mode is one. Where a measurement is no number the last one that was is used.
 class SafetySupervisor final : public Block {
  public:
+  /// The defaults are ours, tried on the emulated Gen3.
   struct Settings {
     int stale_after = 5;            ///< ticks without new measurements, ≥ 1
     double position_margin = 0.01;  ///< inside the joints' limits [rad]
     double position_jump =
         0.02;  ///< measured, from one to the next, beside v_max a tick lost [rad]
-    double velocity_limit = 0.95;  ///< of the joints' limits
-    double torque_limit = 0.95;    ///< measured, of the joints' limits
-    double torque_jump = 0.4;      ///< measured, of the joints' limits, from tick to tick
-    double command_jump = 0.5;     ///< of the torque or current limits, from tick to tick
+    double velocity_limit = 0.95;  ///< of |q̇_j|, as a share of the joint's limit
+    double torque_limit = 0.95;    ///< of |τ_j|, as a share of the joint's limit
+    double torque_jump = 0.4;      ///< of |τ_j| in a tick, as a share of the joint's limit
+    double command_jump = 0.5;     ///< of |τ_d,j| or |i_d,j| in a tick, as a share of its limit
     double tracking = 0.07;        ///< ‖q_d − q‖∞ in position control [rad]
-    double divergence = 1;         ///< of the estimate, of the joints' limits
+    double divergence = 1;         ///< of |τ̂_e,j|, as a share of the joint's torque limit
     double temperature = 75;       ///< of a motor [°C]
-    int most_missed = 20;          ///< ticks in a second
+    int most_missed = 20;          ///< ticks at once; as many a second are forgiven
     double engage_s = 3;           ///< until the mode asked for must be there
     double blend_s = 0.5;          ///< T
     PerJoint damping = {};         ///< D [N·m·s/rad]; empty: 8 % of the torque limits a rad/s
@@ -227,6 +229,7 @@ class SafetySupervisor final : public Block {
     JointTorque tau_d;  // the controller's last commands
     MotorCurrent i_d;
     JointVelocity rate;              // of the position command
+    JointPosition held;              // where Engaging holds the arm in position control
     double share = 0;                // of the controller in what goes to the arm
     double rest = 0, switching = 0;  // [s] at rest; not in the mode asked for
     double missed = 0;               // ticks; `most_missed` a second are forgiven
@@ -249,6 +252,7 @@ class SafetySupervisor final : public Block {
       f("tau_d", tau_d, "N·m");
       f("i_d", i_d, "A");
       f("rate", rate, "rad/s");
+      f("held", held, "rad");
       f("share", share, "");
       f("rest", rest, "s");
       f("switching", switching, "s");
@@ -272,6 +276,8 @@ class SafetySupervisor final : public Block {
   void Hold(Memory& m) const;
   void Command(Memory& m, const Seen& seen, RobotDynamics& work) const;
   bool IsThere(const Memory& m, const Seen& seen) const;
+  bool IsReady(const Memory& m, const Seen& seen) const;
+  static void Engage(Memory& m);
 
   const Options o_;
   const double h_;

@@ -13,7 +13,10 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180;  // [rad]
 constexpr std::uint32_t kInFault = 4;               // ArmState
 constexpr std::uint32_t kMajorFault = 0x1000;       // StatusFlags
+constexpr std::uint32_t kLowLevel = 6;              // ArmState
 constexpr int kMostAnswers = 16;                    // taken in a tick
+constexpr int kLeft = 50;                           // ticks without low-level servoing
+constexpr double kDampingOfLimit = 0.08;            // D per torque limit [s/rad]
 constexpr int kMostRefusals = 3;                    // in a row
 constexpr auto kServicePause = std::chrono::milliseconds(2);
 
@@ -41,18 +44,13 @@ float OnWire(double q) {
   return degrees < 360 ? degrees : 0;
 }
 
-bool IsFinite(const Gen3Feedback& feedback) {
-  return std::ranges::all_of(feedback.actuator, [](const Gen3Feedback::Actuator& a) {
-    return std::isfinite(a.position) && std::isfinite(a.velocity) && std::isfinite(a.torque) &&
-           std::isfinite(a.current);
-  });
+bool IsFinite(const Gen3Feedback::Actuator& a) {
+  return std::isfinite(a.position) && std::isfinite(a.velocity) && std::isfinite(a.torque) &&
+         std::isfinite(a.current);
 }
 
-bool SameMeasurements(const Gen3Feedback& a, const Gen3Feedback& b) {
-  return std::ranges::equal(a.actuator, b.actuator, [](const auto& x, const auto& y) {
-    return x.position == y.position && x.velocity == y.velocity && x.torque == y.torque &&
-           x.current == y.current;
-  });
+bool SameMotion(const Gen3Feedback::Actuator& a, const Gen3Feedback::Actuator& b) {
+  return a.position == b.position && a.velocity == b.velocity && a.current == b.current;
 }
 
 /// x within ± limit; what is no number stays as it was.
@@ -65,11 +63,14 @@ float Within(double x, double limit, float before) {
 Gen3Arm::Gen3Arm(Options o)
     : o_{std::move(o)},
       torque_limit_{o_.model.effort_limit()},
-      step_limit_{o_.model.velocity_limit() * seconds(o_.period)} {
-  Require(o_.link != nullptr, "link must be one");
+      step_limit_{o_.model.velocity_limit() * seconds(o_.period)},
+      work_{o_.model} {
+  Require(o_.link != nullptr, "link is missing: expected a way to the arm, as of ConnectGen3");
   Require(o_.model.size() == kGen3Joints, "model must have the 7 joints of a Gen3",
           o_.model.size());
   RequireEachInRange("current_limit", o_.current_limit, "A", kPositive, o_.model.joints());
+  RequireEachInRange("torque_per_ampere", o_.torque_per_ampere, "N·m/A", kPositive,
+                     o_.model.joints());
   Require(o_.frozen_after >= 0, "frozen_after must be >= 0", o_.frozen_after);
   for (int j = 0; j < kGen3Joints; ++j)
     if (o_.model.joint(j).type == Joint::Type::Continuous) continuous_ |= JointBits{1} << j;
@@ -84,7 +85,10 @@ Gen3Arm::Gen3Arm(Options o)
         "see that it is safe to move it, then clear its faults: pliant recover gen3 "
         "--clear-faults");
   feedback_ = o_.link->Read();
-  Require(IsFinite(feedback_), "the arm must measure numbers, got some that are none");
+  for (std::size_t j = 0; j < feedback_.actuator.size(); ++j)
+    if (!IsFinite(feedback_.actuator[j]))
+      throw Error("what the arm measures must be finite, got NaN or infinity at joint " +
+                  Text(j + 1) + "\nswitch the arm off and on");
   const Joints& joints = o_.model.joints();
   sample_ = {.position = JointPosition::Zero(joints),
              .velocity = JointVelocity::Zero(joints),
@@ -95,44 +99,56 @@ Gen3Arm::Gen3Arm(Options o)
              .report = {}};
   Decode();
   reference_ = sample_.position;
+  // With the scheduler and the processor that are the process's now, not the ticks'.
+  if (o_.lock_step.count() == 0)
+    services_ = std::jthread([this](const std::stop_token& stop) { Serve(stop); });
 }
 
 Gen3Arm::~Gen3Arm() {
   try {
     HandBack();
   } catch (const std::exception&) {
-    // failures() has it; the arm leaves low-level servoing when its session runs out.
+    // Nobody is left to be told; the arm leaves low-level servoing when its session runs out.
   }
 }
 
+/// Whether a joint is, for all that is known, moved by torques or currents.
 bool Gen3Arm::Moves(int joint) const noexcept {
   const auto i = static_cast<std::size_t>(joint);
   constexpr auto kPosition = static_cast<std::uint8_t>(Gen3Mode::Position);
   const auto mode = mode_[i].load(std::memory_order_relaxed);
   return mode != kNone && mode != kPosition &&
-         asked_[i].load(std::memory_order_relaxed) != kPosition;
+         asked_[i].load(std::memory_order_relaxed) != kPosition && !failed_ && !over_ &&
+         !(sample_.status.faulted >> joint & 1);
 }
 
-/// What has just arrived, if it is new.
+/// What has just arrived, if it is newer than what was there.
 void Gen3Arm::Take(const Gen3Feedback& arrived) noexcept {
-  // A forward distance of ids; their order goes round at 65536.
-  const auto ahead = static_cast<std::int16_t>(arrived.answers - newest_);
   Gen3Report& report = sample_.report;
   ++report.answered;
-  if (arrived.answers != sent_) ++report.late;
-  if (newest_ >= 0 && ahead <= 0) {
+  const Sent& answered = sent_[arrived.answers % sent_.size()];
+  if (answered.id != arrived.answers || answered.tick <= newest_) {
     ++report.out_of_order;
     return;
   }
-  newest_ = arrived.answers;
-  if (!IsFinite(arrived)) {
+  if (answered.tick != sent_last_) ++report.late;
+  newest_ = answered.tick;
+  if (!std::ranges::all_of(arrived.actuator, IsFinite)) {
     ++report.not_finite;
     return;
   }
-  age_ = 0;
-  unchanged_ = SameMeasurements(arrived, feedback_) ? unchanged_ + 1 : 0;
+  age_ = static_cast<int>(tick_ - answered.tick - 1);
+  SeeWhatStandsStill(arrived);
   feedback_ = arrived;
   Decode();
+}
+
+void Gen3Arm::SeeWhatStandsStill(const Gen3Feedback& arrived) noexcept {
+  for (std::size_t j = 0; j < same_.size(); ++j) {
+    const bool torque = arrived.actuator[j].torque == feedback_.actuator[j].torque;
+    same_torque_[j] = torque ? same_torque_[j] + 1 : 0;
+    same_[j] = torque && SameMotion(arrived.actuator[j], feedback_.actuator[j]) ? same_[j] + 1 : 0;
+  }
 }
 
 void Gen3Arm::Decode() noexcept {
@@ -149,7 +165,9 @@ void Gen3Arm::Decode() noexcept {
     sample_.torque(j) = -static_cast<double>(a.torque);
     sample_.current(j) = a.current;
     sample_.temperature(j) = a.motor_temperature;
-    if (a.fault_a || a.fault_b || a.status_flags & kMajorFault) status.faulted |= JointBits{1} << j;
+    const bool dead_torque = o_.frozen_after > 0 && same_torque_[i] > o_.frozen_after;
+    if (a.fault_a || a.fault_b || a.status_flags & kMajorFault || dead_torque)
+      status.faulted |= JointBits{1} << j;
     report.fault[i] = a.fault_a;
     report.warning[i] = a.warning_a;
     report.flags[i] = a.status_flags;
@@ -162,15 +180,16 @@ void Gen3Arm::Decode() noexcept {
 
 const Gen3Sample& Gen3Arm::Latest() noexcept {
   if (!begun_) return sample_;
+  ++tick_;
   ++age_;
   for (int k = 0; k < kMostAnswers; ++k) {
     // One that did not come is lost, and the next may be so too.
     const auto patience = prompt_ ? o_.lock_step : o_.lock_step / 100;
-    const bool waits = newest_ != sent_;
+    const bool waits = newest_ != sent_last_;
     if (!o_.link->Receive(arrived_, waits ? patience : std::chrono::nanoseconds{0})) break;
     Take(arrived_);
   }
-  prompt_ = newest_ == sent_;
+  prompt_ = newest_ == sent_last_;
   const Gen3Traffic traffic = o_.link->traffic();
   Gen3Report& report = sample_.report;
   report.sent = traffic.sent;
@@ -179,9 +198,14 @@ const Gen3Sample& Gen3Arm::Latest() noexcept {
   report.unreadable = traffic.unreadable;
   report.unsent = traffic.unsent;
   ArmStatus& status = sample_.status;
-  status.age =
-      o_.frozen_after > 0 && unchanged_ > o_.frozen_after ? std::max(age_, unchanged_) : age_;
-  status.connected = !failed_ && refusals_ < kMostRefusals && o_.link->connected();
+  const int same = std::ranges::max(same_);
+  status.age = o_.frozen_after > 0 && same > o_.frozen_after ? std::max(age_, same) : age_;
+  if (feedback_.arm_state == kLowLevel)
+    not_low_level_ = 0;
+  else if (not_low_level_ >= 0)
+    ++not_low_level_;
+  status.connected =
+      !failed_ && refusals_ < kMostRefusals && not_low_level_ < kLeft && o_.link->connected();
   const std::uint8_t wanted = wanted_;
   status.switching = 0;
   for (int j = 0; j < kGen3Joints; ++j)
@@ -195,13 +219,17 @@ void Gen3Arm::Steer(ControlMode mode, const JointPosition& q_d) noexcept {
   for (int j = 0; j < kGen3Joints; ++j) {
     const double before = reference_(j);
     double& r = reference_(j);
-    if (Moves(j))
+    if (failed_ || sample_.status.faulted >> j & 1) {
+      // Where it was: a joint that leaves it is held by its firmware.
+    } else if (Moves(j) || !low_level_)
       r = sample_.position(j);
     else if (mode == ControlMode::Position && std::isfinite(q_d(j)))
       r += std::clamp(q_d(j) - r, -step_limit_(j), step_limit_(j));
     Gen3Command::Actuator& a = command_.actuator[static_cast<std::size_t>(j)];
     a.position = OnWire(r);
-    a.velocity = Moves(j) ? 0 : static_cast<float>((r - before) / seconds(o_.period) / kDegree);
+    a.velocity = Moves(j) || !low_level_
+                     ? 0
+                     : static_cast<float>((r - before) / seconds(o_.period) / kDegree);
   }
 }
 
@@ -216,31 +244,34 @@ void Gen3Arm::Command(ControlMode mode, const JointPosition& q_d, const JointTor
   sample_.status.saturated = 0;
   for (int j = 0; j < kGen3Joints; ++j) {
     Gen3Command::Actuator& a = command_.actuator[static_cast<std::size_t>(j)];
-    const double tau = torques ? tau_d(j) : sample_.torque(j);
-    const double i = mode == ControlMode::Current ? i_d(j) : sample_.current(j);
-    if (!(std::abs(tau) <= torque_limit_(j)) || !(std::abs(i) <= o_.current_limit(j)))
-      sample_.status.saturated |= JointBits{1} << j;
-    a.torque = Within(tau, torque_limit_(j), a.torque);
-    a.current = Within(i, o_.current_limit(j), a.current);
+    const bool cut = (torques && !(std::abs(tau_d(j)) <= torque_limit_(j))) ||
+                     (mode == ControlMode::Current && !(std::abs(i_d(j)) <= o_.current_limit(j)));
+    if (cut) sample_.status.saturated |= JointBits{1} << j;
+    // Whatever the arm is asked for, a joint may still be in another mode.
+    a.torque = Within(tau_d(j), torque_limit_(j), a.torque);
+    a.current = Within(i_d(j), o_.current_limit(j), a.current);
   }
-  if (!begun_) {
-    begun_ = true;
-    if (o_.lock_step.count() == 0)
-      services_ = std::jthread([this](const std::stop_token& stop) { Serve(stop); });
-  }
+  begun_ = true;
   if (o_.lock_step.count() > 0)
     while (!failed_ && ServeOne()) {
     }
-  if (const int id = o_.link->Send(command_); id >= 0) sent_ = id;
+  Send();
 }
 
-bool Gen3Arm::Try(const char* what, const std::function<void()>& service) {
+void Gen3Arm::Send() noexcept {
+  const int id = o_.link->Send(command_);
+  if (id < 0) return;
+  sent_[static_cast<std::size_t>(id) % sent_.size()] = {.id = id, .tick = tick_};
+  sent_last_ = tick_;
+}
+
+bool Gen3Arm::Try(const std::string& what, const std::function<void()>& service) {
   try {
     service();
     return true;
   } catch (const std::exception& e) {
     const std::lock_guard lock(failures_mutex_);
-    failures_ += (failures_.empty() ? "" : "\n") + std::string(what) + ": " + e.what();
+    failures_ += (failures_.empty() ? "" : "\n") + what + ": " + e.what();
     failed_ = true;
     return false;
   }
@@ -259,7 +290,8 @@ bool Gen3Arm::ServeOne() {
     std::atomic<std::uint8_t>& mode = mode_[static_cast<std::size_t>(j)];
     if (mode == wanted) continue;
     asked_[static_cast<std::size_t>(j)] = wanted;
-    if (Try("the mode of a joint", [&] { o_.link->SetMode(j, static_cast<Gen3Mode>(wanted)); }))
+    if (Try("the mode of joint " + Text(j + 1),
+            [&] { o_.link->SetMode(j, static_cast<Gen3Mode>(wanted)); }))
       mode = wanted;
     return true;
   }
@@ -277,31 +309,49 @@ void Gen3Arm::GiveBack() {
   constexpr auto kPosition = static_cast<std::uint8_t>(Gen3Mode::Position);
   for (int j = 0; j < kGen3Joints && leads && o_.link->connected(); ++j) {
     asked_[static_cast<std::size_t>(j)] = kPosition;
-    if (Try("position mode of a joint", [&] { o_.link->SetMode(j, Gen3Mode::Position); }))
+    if (Try("position mode of joint " + Text(j + 1),
+            [&] { o_.link->SetMode(j, Gen3Mode::Position); }))
       mode_[static_cast<std::size_t>(j)] = kPosition;
   }
   Try("the arm's own servoing", [&] { o_.link->SetServoing(Gen3Servoing::SingleLevel); });
 }
 
-void Gen3Arm::HandBack() {
-  if (over_.exchange(true) || !begun_) return;
-  if (services_.joinable()) {
-    services_.request_stop();
-    services_.join();
+/// The position commands stay what they were: a joint that leaves them behind is held by its
+/// firmware.
+void Gen3Arm::CarryAndHold() {
+  ComputeDynamics(o_.model, sample_.position, JointVelocity::Zero(o_.model.joints()), work_);
+  for (int j = 0; j < kGen3Joints; ++j) {
+    Gen3Command::Actuator& a = command_.actuator[static_cast<std::size_t>(j)];
+    const double v = age_ == 0 ? sample_.velocity(j) : 0;
+    const double tau = work_.gravity(j) - kDampingOfLimit * torque_limit_(j) * v;
+    a.position = OnWire(reference_(j));
+    a.velocity = 0;
+    a.torque = Within(tau, torque_limit_(j), a.torque);
+    a.current = Within(tau / o_.torque_per_ampere(j), o_.current_limit(j), a.current);
   }
+}
+
+void Gen3Arm::HandBack() {
+  const bool was_over = over_.exchange(true);
+  services_.request_stop();
+  if (was_over || !begun_) return;
   const std::size_t before = failures().size();
-  if (o_.lock_step.count() > 0) {
+  const auto give_back = [this] {
+    if (services_.joinable()) services_.join();
     GiveBack();
+  };
+  if (o_.lock_step.count() > 0) {
+    give_back();
   } else {
     std::atomic<bool> done{false};
     const std::jthread services([&] {
-      GiveBack();
+      give_back();
       done = true;
     });
-    while (!done) {  // torques and currents stay what they were
+    while (!done) {
       Latest();
-      Steer(ControlMode::Torque, sample_.position);
-      if (const int id = o_.link->Send(command_); id >= 0) sent_ = id;
+      CarryAndHold();
+      Send();
       std::this_thread::sleep_for(std::chrono::duration<double>(seconds(o_.period)));
     }
   }

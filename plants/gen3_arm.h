@@ -13,6 +13,7 @@
 #include "pliant/plants/arm_status.h"
 #include "pliant/plants/gen3_link.h"
 #include "pliant/plants/joint_temperature.h"
+#include "pliant/plants/robot_dynamics.h"
 #include "pliant/plants/robot_model.h"
 #include "pliant/systems/time.h"
 
@@ -92,16 +93,24 @@ struct Gen3Sample {
 /// servoing, and as soon as it has it for the mode, one joint after another. Services take some
 /// 25 ms each and have a thread of their own; the frames go on meanwhile. A joint that is not in
 /// position mode gets its own measured position as position command: if frames fail to come, its
-/// firmware notices the growing error and holds (example 108 of the vendor). So does one whose answer
-/// to position mode does not come: it may be in it, and is led as if it were.
+/// firmware notices the growing error and holds (example 108 of the vendor). Where a service
+/// failed, an actuator reports a fault, or position mode was asked for and not yet answered, the
+/// joint is led as if it were in position mode: it may be.
+///
+/// Measurements are as old as the command they answer: `age` counts the ticks since its answer
+/// could have been there. A joint none of whose numbers changes for long is old too, and a torque
+/// that alone stands still is a fault of its sensor. An arm that was in low-level servoing and is
+/// not any more, or refuses commands for three ticks in a row, is not connected.
 ///
 /// What is sent is finite and within limits, whatever is commanded: torques, currents and the pace
 /// of positions are cut; in the place of a number that is none stays the last one.
 ///
-/// An arm that refuses commands for three ticks in a row is not connected: its session is over.
-///
 /// HandBack, or the end of this object, puts all joints into position mode where they are and the
-/// arm back to its own servoing. One that has left low-level servoing by itself has done the first.
+/// arm back to its own servoing. Until a joint is in it, it carries its weight and damps,
+///
+///   τ = g(q) − D q̇,   i = τ/κ
+///
+/// One that has left low-level servoing by itself is in position mode already.
 ///
 /// Source: signs and the sequence are those of github.com/Kinovarobotics/Kinova-kortex2_Gen3_G3L
 /// (examples 108, 200) and github.com/mathieu-celerier/mc_kortex.
@@ -111,9 +120,11 @@ class Gen3Arm {
     std::shared_ptr<Gen3Link> link;
     RobotModel model;            ///< of the arm, 7 joints
     MotorCurrent current_limit;  ///< [A], each > 0
+    PerJoint torque_per_ampere;  ///< κ [N·m/A], each > 0
     Duration period = 1ms;       ///< of frames
     bool clear_faults = false;   ///< before the start
-    /// As many ticks may pass without a change of any measured number: sensors have noise. 0: any.
+    /// As many ticks may pass without a change of what a joint measures: sensors have noise. 0:
+    /// any.
     int frozen_after = 50;
     /// An arm that waits for each frame, as an emulator in lock-step does: services are done in the
     /// tick that asks for them, and Latest waits for the answer this long, once one failed to come
@@ -149,9 +160,12 @@ class Gen3Arm {
   void Serve(const std::stop_token& stop);
   bool ServeOne();
   void GiveBack();
-  bool Try(const char* what, const std::function<void()>& service);
+  bool Try(const std::string& what, const std::function<void()>& service);
   void Take(const Gen3Feedback& arrived) noexcept;
   void Decode() noexcept;
+  void SeeWhatStandsStill(const Gen3Feedback& arrived) noexcept;
+  void Send() noexcept;
+  void CarryAndHold();
   void Steer(ControlMode mode, const JointPosition& q_d) noexcept;
   bool Moves(int joint) const noexcept;
 
@@ -164,15 +178,23 @@ class Gen3Arm {
   Gen3Feedback feedback_, arrived_;  // the newest, and what has just arrived
   Gen3Sample sample_;
   Gen3Command command_;
-  JointPosition reference_;      // the position commands sent last
-  int sent_ = -1, newest_ = -1;  // ids: of the last command, of the newest answer
-  int age_ = 0, unchanged_ = 0;
+  JointPosition reference_;  // the position commands sent last
+  struct Sent {
+    int id = -1;
+    std::int64_t tick = 0;
+  };
+  std::array<Sent, 64> sent_;               // the last commands
+  std::int64_t tick_ = 0, sent_last_ = -1;  // now; of the last command
+  std::int64_t newest_ = -1;                // of the command with the newest answer
+  std::array<int, kGen3Joints> same_ = {}, same_torque_ = {};  // answers without a change
+  int age_ = 0, not_low_level_ = -1;    // ticks; −1: it never was in low-level servoing
   int refusals_ = 0;                    // ticks in a row with nothing but refusals
   bool begun_ = false, prompt_ = true;  // the last answer came in its tick
+  RobotDynamics work_;
 
   // Between the tick and the services.
   std::atomic<std::uint8_t> wanted_{kNone};  // a Gen3Mode, as are those of the joints
-  Fields mode_{}, asked_{};  // as answered; as asked for last, answered or not
+  Fields mode_{}, asked_{};                  // as answered; as asked for last, answered or not
   std::atomic<bool> low_level_{false}, failed_{false}, over_{false};
   mutable std::mutex failures_mutex_;
   std::string failures_;

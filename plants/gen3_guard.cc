@@ -63,7 +63,13 @@ void HandBack(const Gen3Address& address, std::chrono::milliseconds patience) no
   for (;;) {
     std::string fault;
     try {
-      kortex::Services(address).SetServoing(Gen3Servoing::SingleLevel);
+      kortex::Services services(address);
+      for (int j = 0; j < kGen3Joints; ++j) try {
+          services.SetMode(j, Gen3Mode::Position);
+        } catch (const Error&) {
+          // As of an arm that is out of low-level servoing: what follows tells.
+        }
+      services.SetServoing(Gen3Servoing::SingleLevel);
       return Say(who + "; the arm was set to single-level servoing");
     } catch (const std::exception& e) {
       fault = e.what();
@@ -103,7 +109,10 @@ Gen3Guard::Gen3Guard(const Gen3Address& address, std::chrono::milliseconds patie
 
 Gen3Guard::~Gen3Guard() {
   const char all_is_well = 1;
-  if (send(word_.descriptor(), &all_is_well, 1, MSG_NOSIGNAL) != 1) kill(child_, SIGKILL);
+  if (!handed_back_)
+    word_ = Socket(-1);
+  else if (send(word_.descriptor(), &all_is_well, 1, MSG_NOSIGNAL) != 1)
+    kill(child_, SIGKILL);
   while (waitpid(child_, nullptr, 0) < 0 && errno == EINTR) {
   }
 }

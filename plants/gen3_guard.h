@@ -12,8 +12,9 @@ namespace pliant {
 ///
 /// A child process that waits for a word. The destructor gives it: destroy the guard once the arm
 /// was handed back. If the word does not come because the process is gone, the child connects anew,
-/// sets single-level servoing, tries again for `patience` if need be, and says in a line on the
-/// standard error how that went.
+/// sets all actuators to position mode and the arm to single-level servoing, tries again for
+/// `patience`, which is longer than a session lives, and says in a line on the standard error how
+/// that went.
 ///
 /// The child has no descriptor of this process but the standard error, is in a session of its own
 /// where no terminal's signal reaches it, and runs without real-time priority. Two things end it
@@ -26,16 +27,21 @@ class Gen3Guard {
  public:
   /// Throws Error if the host is not known, or there cannot be another process.
   explicit Gen3Guard(const Gen3Address& address,
-                     std::chrono::milliseconds patience = std::chrono::seconds(20));
+                     std::chrono::milliseconds patience = std::chrono::seconds(70));
   ~Gen3Guard();
   Gen3Guard(const Gen3Guard&) = delete;
   Gen3Guard& operator=(const Gen3Guard&) = delete;
+
+  /// That the arm could not be handed back: at its end the guard tries what it would try for a
+  /// process that is gone, and takes as long.
+  void NotHandedBack() { handed_back_ = false; }
 
   /// The child, for who looks at the list of processes.
   int process() const { return child_; }
 
  private:
   Socket word_;
+  bool handed_back_ = true;
   int child_;
 };
 

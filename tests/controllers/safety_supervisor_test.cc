@@ -236,7 +236,7 @@ std::vector<Fault> Faults() {
            if (tau < 90) w.Tick();
          }
        }},
-      {SafetyCause::TorqueJump, measured(&S::measured_torque, 1, 40)},
+      {SafetyCause::TorqueJump, measured(&S::measured_torque, 1, 40), true},
       {SafetyCause::Temperature, measured(&S::temperature, 0, 80)},
       {SafetyCause::Divergence, measured(&S::external_torque, 3, 96)},
       {SafetyCause::Divergence, measured(&S::external_torque, 3, kNaN)},
@@ -291,11 +291,60 @@ TEST(SafetySupervisor, KnowsCommandsThatJump) {
 TEST(SafetySupervisor, KnowsAPositionThatIsNotFollowed) {
   Watched w(ControlMode::Position);
   w.Run();
-  w.t.Set(w.t->position_command, kHome + JointPosition{0, 0, 0, 0.1, 0, 0, 0});
-  w.Tick(2);
+  for (int k = 1; k <= 80; ++k) {
+    w.t.Set(w.t->position_command, kHome + JointPosition{0, 0, 0, 1e-3 * k, 0, 0, 0});
+    w.Tick();
+  }
   EXPECT_EQ(w.report().cause, SafetyCause::Tracking);
   EXPECT_EQ(w.report().joint, 3);
-  EXPECT_NEAR(w.report().value, 0.1, 1e-12);
+  EXPECT_NEAR(w.report().value, 0.071, 1e-12);
+}
+
+TEST(SafetySupervisor, DoesNotFollowAPositionThatJumps) {
+  Watched w(ControlMode::Position);
+  w.Run();
+  w.t.Set(w.t->position_command, kHome + JointPosition{0, 0, 0, 1, 0, 0, 0});
+  w.Tick(20);
+  EXPECT_EQ(w.report().cause, SafetyCause::CommandJump);
+  EXPECT_EQ(w.t.Get(w.t->arm_position), kHome);
+}
+
+TEST(SafetySupervisor, HoldsTheArmUntilAPositionToFollowIsNear) {
+  Watched w(ControlMode::Position, {.engage_s = 1});
+  w.t.Set(w.t->position_command, kHome + JointPosition{0, 0, 0, 0.5, 0, 0, 0});
+  w.Tick(900);
+  EXPECT_EQ(w.report().state, Engaging);
+  EXPECT_EQ(w.t.Get(w.t->arm_position), kHome);
+  w.Tick(200);
+  EXPECT_EQ(w.report().cause, SafetyCause::Tracking);
+}
+
+TEST(SafetySupervisor, HoldsNearTheArmWhenItFellBehindItsReference) {
+  Watched w(ControlMode::Position);
+  w.Run();
+  for (int k = 1; k <= 60; ++k) {
+    w.t.Set(w.t->position_command, kHome + JointPosition{0, 0, 0, 1e-3 * k, 0, 0, 0});
+    w.Tick();
+  }
+  w.status.arm_faulted = true;
+  w.t.Set(w.t->status, w.status);
+  w.Tick(100);
+  EXPECT_EQ(w.report().state, Holding);
+  EXPECT_NEAR(w.t.Get(w.t->arm_position)(3), kHome(3) + 0.06, 1e-12) << "the arm is at rest";
+}
+
+TEST(SafetySupervisor, FollowsAJointThatIsNotInPositionControlYet) {
+  Watched w(ControlMode::Torque);
+  w.Run();
+  w.status.arm_faulted = true;
+  w.status.switching = 0b10;
+  w.t.Set(w.t->status, w.status);
+  w.t.Set(w.t->measured_velocity, {0, 0.5, 0, 0, 0, 0, 0});
+  for (int k = 1; k <= 10; ++k) {
+    w.t.Set(w.t->measured_position, kHome + JointPosition{0, 5e-4 * k, 0, 0, 0, 0, 0});
+    w.Tick();
+  }
+  EXPECT_NEAR(w.t.Get(w.t->arm_position)(1), kHome(1) + 5e-3, 1e-12);
 }
 
 TEST(SafetySupervisor, DoesNotWaitForAModeForEver) {

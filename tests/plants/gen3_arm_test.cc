@@ -31,6 +31,7 @@ struct Arm {
     return {.link = link,
             .model = Gen3(),
             .current_limit = kCurrentLimit,
+            .torque_per_ampere = JointTorque{11, 11, 11, 11, 7.6, 7.6, 7.6},
             .lock_step = std::chrono::milliseconds(1)};
   }
   void Tick(ControlMode mode, const JointPosition& q = JointPosition{0, 0, 0, 0, 0, 0, 0},
@@ -201,7 +202,7 @@ TEST(Gen3Arm, DoesNotTakeAnOlderAnswerForANewer) {
   arm->Latest();
   EXPECT_NEAR(arm->start().velocity(0), 7 * kPi / 180, 1e-7);
   EXPECT_EQ(arm->start().report.out_of_order, 4);
-  EXPECT_EQ(arm->start().report.late, 4);
+  EXPECT_EQ(arm->start().report.late, 0) << "what is taken is of the last tick";
 }
 
 TEST(Gen3Arm, DoesNotTakeWhatIsNoNumber) {
@@ -221,10 +222,66 @@ TEST(Gen3Arm, TakesNumbersThatNeverChangeForOld) {
   Arm arm;
   for (int k = 0; k < 60; ++k) arm.Tick(ControlMode::Position);
   EXPECT_EQ(arm->start().status.age, 59) << "answers like the first";
-  arm.actuator(4).torque += 1;
+  for (int j = 0; j < 6; ++j) arm.actuator(j).torque += 1;
+  arm.Tick(ControlMode::Position);
+  arm.Tick(ControlMode::Position);
+  EXPECT_EQ(arm->start().status.age, 61) << "one joint is enough";
+  for (int j = 0; j < 7; ++j) arm.actuator(j).torque += 1;
   arm.Tick(ControlMode::Position);
   arm.Tick(ControlMode::Position);
   EXPECT_EQ(arm->start().status.age, 0);
+}
+
+TEST(Gen3Arm, TakesATorqueThatAloneStandsStillForAFault) {
+  Arm arm;
+  for (int k = 0; k < 60; ++k) {
+    for (int j = 0; j < 7; ++j) {
+      arm.actuator(j).velocity += 1;
+      if (j != 3) arm.actuator(j).torque += 1;
+    }
+    arm.Tick(ControlMode::Position);
+  }
+  EXPECT_EQ(arm->start().status.faulted, 0b1000U);
+  EXPECT_EQ(arm->start().status.age, 0);
+}
+
+TEST(Gen3Arm, MeasuresTheAgeOfAnAnswerByTheCommandItAnswers) {
+  Arm arm;
+  std::deque<Gen3Feedback> on_the_way;
+  arm.link->deliver = [&](const Gen3Feedback& f, Gen3IdealLink& link) {
+    on_the_way.push_back(f);  // each is 30 ticks late
+    if (on_the_way.size() <= 30) return;
+    link.answers.push_back(on_the_way.front());
+    on_the_way.pop_front();
+  };
+  for (int k = 0; k < 50; ++k) arm.Tick(ControlMode::Position);
+  EXPECT_EQ(arm->start().status.age, 30);
+}
+
+TEST(Gen3Arm, IsNotConnectedOnceTheArmHasLeftLowLevelServoing) {
+  Arm arm;
+  arm.link->now.arm_state = 6;
+  for (int k = 0; k < 3; ++k) arm.Tick(ControlMode::Current);
+  EXPECT_TRUE(arm->start().status.connected);
+  arm.link->now.arm_state = 7;
+  for (int k = 0; k < 60; ++k) arm.Tick(ControlMode::Current);
+  EXPECT_FALSE(arm->start().status.connected);
+}
+
+TEST(Gen3Arm, LeavesThePositionOfAJointWhereAServiceFailed) {
+  Arm arm;
+  arm.Tick(ControlMode::Torque);
+  arm.actuator(2).position = 10;
+  arm.Tick(ControlMode::Torque);
+  arm.Tick(ControlMode::Torque);
+  EXPECT_NEAR(arm.sent(2).position, 10, 1e-5);
+  arm.link->refuses = "mode 1 of 0";
+  arm.Tick(ControlMode::Position, arm->start().position);
+  arm.actuator(2).position = 14;
+  for (int k = 0; k < 3; ++k)
+    arm.Tick(ControlMode::Position, arm->start().position, {0, 3, 0, 0, 0, 0, 0});
+  EXPECT_NEAR(arm.sent(2).position, 10, 1e-5) << "its firmware sees the growing error";
+  EXPECT_EQ(arm.sent(1).torque, 3) << "it may still be in torque mode";
 }
 
 TEST(Gen3Arm, SaysWhatTheArmReports) {
@@ -283,13 +340,15 @@ TEST(Gen3Arm, RefusesAnArmThatIsNotWhatItSays) {
   EXPECT_THAT(ErrorOf([&] { Gen3Arm(arm.options()); }), testing::HasSubstr("the arm is in fault"));
   arm.link->arm_state = 7;
   arm.actuator(0).torque = std::numeric_limits<float>::infinity();
-  EXPECT_THAT(ErrorOf([&] { Gen3Arm(arm.options()); }), testing::HasSubstr("must measure numbers"));
+  EXPECT_THAT(ErrorOf([&] { Gen3Arm(arm.options()); }),
+              testing::HasSubstr("must be finite, got NaN or infinity at joint 1"));
   Gen3Arm::Options o = arm.options();
   o.frozen_after = -1;
   EXPECT_EQ(ErrorOf([&] { Gen3Arm{o}; }), "frozen_after must be >= 0, got -1");
   o = arm.options();
   o.link = nullptr;
-  EXPECT_EQ(ErrorOf([&] { Gen3Arm{o}; }), "link must be one");
+  EXPECT_EQ(ErrorOf([&] { Gen3Arm{o}; }),
+            "link is missing: expected a way to the arm, as of ConnectGen3");
 }
 
 }  // namespace

@@ -45,6 +45,7 @@ struct EmulatedArm {
             {.host = "127.0.0.1", .tcp_port = emulator.port(), .udp_port = emulator.udp_port()}),
         .model = known.model,
         .current_limit = FiguresOf(known.actuators.joint, &ActuatorParameters::current_limit),
+        .torque_per_ampere = known.actuators.torque_per_ampere(),
         .lock_step = lock_step ? std::chrono::seconds(2) : std::chrono::nanoseconds(0)});
   }
 
