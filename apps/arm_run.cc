@@ -54,7 +54,10 @@ class Console {
     const SafetyCause cause = panel_->cause;
     std::string line = Words(state)[static_cast<std::size_t>(state)];
     if (cause != SafetyCause::None) {
-      line += ": " + SafetyText(cause, panel_->joint, panel_->value, panel_->limit);
+      if (cause == SafetyCause::UserStop)
+        line += panel_->stop ? ": asked to stop" : ": its time is over";
+      else
+        line += ": " + SafetyText(cause, panel_->joint, panel_->value, panel_->limit);
       if (listens_ && cause != SafetyCause::UserStop && state != SafetyState::Stopped)
         line += "; Enter acknowledges, once it is over";
     }
