@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdio>
 #include <string_view>
 
 namespace pliant {
@@ -54,6 +55,13 @@ const Meaning* MeaningOf(SafetyCause cause) {
   return found == kMeanings.end() ? nullptr : found;
 }
 
+/// As many digits as somebody reads in a hurry.
+std::string Shown(double x) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g", x);
+  return text;
+}
+
 }  // namespace
 
 std::string SafetyText(SafetyCause cause, int joint, double value, double limit) {
@@ -62,7 +70,7 @@ std::string SafetyText(SafetyCause cause, int joint, double value, double limit)
   const Meaning* const meaning = MeaningOf(cause);
   if (!meaning || meaning->bound.empty()) return text;
   const std::string unit(meaning->unit);
-  return text + ": " + Text(value) + unit + ", " + std::string(meaning->bound) + Text(limit) +
+  return text + ": " + Shown(value) + unit + ", " + std::string(meaning->bound) + Shown(limit) +
          unit + std::string(meaning->per);
 }
 

@@ -8,7 +8,7 @@ namespace {
 TEST(SafetyText, SaysWhatWasFoundAndAllowedWithItsUnit) {
   EXPECT_EQ(SafetyText(SafetyCause::TorqueJump, 1, 40, 38),
             "torque_jump at joint 2: 40 N·m, allowed 38 N·m in a tick");
-  EXPECT_EQ(SafetyText(SafetyCause::VelocityLimit, 6, -3, 2.9),
+  EXPECT_EQ(SafetyText(SafetyCause::VelocityLimit, 6, -3.000049, 2.9),
             "velocity_limit at joint 7: -3 rad/s, allowed 2.9 rad/s");
   EXPECT_EQ(SafetyText(SafetyCause::StaleFeedback, -1, 5, 5),
             "stale_feedback: 5 ticks, allowed less than 5 ticks without a new measurement");
