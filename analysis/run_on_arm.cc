@@ -4,11 +4,15 @@
 #include <algorithm>
 #include <chrono>
 #include <optional>
+#include <sstream>
+#include <string_view>
 #include <thread>
 
 #include "pliant/analysis/mcap_log.h"
+#include "pliant/analysis/run_experiment.h"
 #include "pliant/analysis/run_log.h"
 #include "pliant/analysis/write_file.h"
+#include "pliant/controllers/safety_text.h"
 #include "pliant/plants/bota_source.h"
 #include "pliant/plants/gen3_faults.h"
 #include "pliant/plants/gen3_guard.h"
@@ -73,6 +77,43 @@ Wrench Tare(WrenchSource& source, const SimulatedArm::Options& arm) {
   return Wrench(sum / kTareSamples - WeightOn(arm));
 }
 
+/// Lines that differ in the number of an actuator are one, with all their numbers.
+std::string Folded(const std::string& lines) {
+  constexpr std::string_view kMark = " of actuator ";
+  std::vector<std::pair<std::string, std::string>> folded;  // with "%" in their place, and they
+  std::istringstream in(lines);
+  for (std::string line; std::getline(in, line);) {
+    std::string number;
+    if (const std::size_t at = line.find(kMark); at != line.npos) {
+      const std::size_t begin = at + kMark.size();
+      const std::size_t end = std::min(line.find_first_not_of("0123456789", begin), line.size());
+      number = line.substr(begin, end - begin);
+      line.replace(begin, end - begin, "%");
+    }
+    if (!folded.empty() && !number.empty() && folded.back().first == line)
+      folded.back().second += ", " + number;
+    else
+      folded.emplace_back(line, number);
+  }
+  std::string out;
+  for (auto& [line, numbers] : folded) {
+    if (!numbers.empty())
+      line.replace(line.find(std::string(kMark) + "%") + kMark.size(), 1, numbers);
+    out += (out.empty() ? "" : "\n") + line;
+  }
+  return out;
+}
+
+/// What the file is not to blame for.
+template <class Step>
+auto Reached(const Step& step) {
+  try {
+    return step();
+  } catch (const Error& e) {
+    throw FailedRun(e.what());
+  }
+}
+
 class ArmExecution {
  public:
   ArmExecution(const ExperimentFile& file, const ArmRunOptions& o) : file_{file}, o_{o} {
@@ -86,18 +127,24 @@ class ArmExecution {
 
   ArmRun Run() {
     auto& station = std::get<Gen3Station>(scenario_.station);
-    const Gen3Address address = Gen3Address::Of(station.address);
+    Gen3Address address = Gen3Address::Of(station.address);
+    address.user = o_.user;
+    address.password = o_.password;
+    result_.address = station.address;
     result_.log = o_.out / "logs" / (file_.experiment.runs.front().name + ".mcap");
     if (std::error_code unknown; !o_.force && std::filesystem::exists(result_.log, unknown))
       throw Error(result_.log.string() +
                   " exists; give --force to write over it, or another --out");
     internal::MakeDirectory(o_.out / "logs");
 
-    Gen3Guard guard(address);
-    Hardware hardware{.arm = Connect(address, station), .panel = o_.panel, .faults = o_.faults};
+    const auto guard = Reached([&] { return std::make_unique<Gen3Guard>(address); });
+    Hardware hardware{.arm = Reached([&] { return Connect(address, station); }),
+                      .panel = o_.panel,
+                      .faults = o_.faults};
     station.position = hardware.arm->start().position;
-    hardware.wrist = SourceOf(station);
-    if (hardware.wrist) hardware.wrist_bias = Tare(*hardware.wrist, StationOf(scenario_));
+    hardware.wrist = Reached([&] { return SourceOf(station); });
+    if (hardware.wrist)
+      hardware.wrist_bias = Reached([&] { return Tare(*hardware.wrist, StationOf(scenario_)); });
     const auto times = std::make_shared<TickTimes>();
     hardware.times = times;
 
@@ -129,7 +176,7 @@ class ArmExecution {
     }
     const double wall =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    HandBack(*hardware.arm, address, guard);
+    HandBack(*hardware.arm, address, *guard);
     result_.timing = runner.report();
     result_.safety = sim.Get(scene.safety->report);
     result_.arm = sim.Get(scene.hardware->report);
@@ -191,24 +238,29 @@ class ArmExecution {
 }  // namespace
 
 std::string ArmRun::text() const {
-  const auto word = [](auto value) { return Words(value)[static_cast<std::size_t>(value)]; };
-  std::string out = "ended: " + word(safety.state);
-  if (safety.cause != SafetyCause::None && safety.cause != SafetyCause::UserStop) {
-    out += ", because of " + word(safety.cause);
-    if (safety.joint >= 0) out += " at joint " + Text(safety.joint + 1);
-    if (safety.limit != 0) out += ": " + Text(safety.value) + ", allowed " + Text(safety.limit);
-  }
+  std::string out = "ended: " + Words(safety.state)[static_cast<std::size_t>(safety.state)];
+  const bool fault = safety.cause != SafetyCause::None && safety.cause != SafetyCause::UserStop;
+  if (fault)
+    out += ", because of " + SafetyText(safety.cause, safety.joint, safety.value, safety.limit);
   out += "\n" + timing.text();
   out += "\nframes: " + Text(arm.sent) + " sent, " + Text(arm.answered) + " answered, " +
          Text(arm.late) + " late, " + Text(arm.out_of_order) + " out of order, " +
          Text(arm.refused) + " refused, " + Text(arm.unreadable) + " unreadable";
+  bool reports = false;
+  const auto report = [&](const std::string& who, const std::vector<std::string>& names) {
+    for (const std::string& name : names) out += "\n" + who + " reports " + name;
+    reports = reports || !names.empty();
+  };
   for (std::size_t j = 0; j < arm.fault.size(); ++j)
-    for (const std::string& name : ActuatorFaultNames(arm.fault[j]))
-      out += "\njoint " + Text(j + 1) + " reports " + name;
-  for (const std::string& name : BaseFaultNames(arm.base_fault))
-    out += "\nthe base reports " + name;
-  if (!services.empty()) out += "\n" + services;
-  if (!handing_back.empty()) out += "\n" + handing_back;
+    report("joint " + Text(j + 1), ActuatorFaultNames(arm.fault[j]));
+  report("the base", BaseFaultNames(arm.base_fault));
+  if (!services.empty()) out += "\nnot done: " + Folded(services);
+  if (!handing_back.empty()) out += "\nnot handed back: " + Folded(handing_back);
+  if (const std::string hint = SafetyHint(safety.cause); fault && !hint.empty())
+    out += "\nwhat to do: " + hint;
+  if (reports)
+    out += "\nwhen it is safe to move the arm: pliant recover gen3 --arm " + address +
+           " --clear-faults";
   return out;
 }
 

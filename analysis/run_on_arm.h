@@ -17,6 +17,7 @@ namespace pliant {
 struct ArmRunOptions {
   std::filesystem::path out;  ///< the log goes to out/logs; made if it is not there
   bool force = false;         ///< write over a log that is there
+  std::string user = "admin", password = "admin";
   Overrun overrun = Overrun::Skip;
   RealTimePermissions::Options permissions = {};
   std::shared_ptr<OperatorPanel> panel = std::make_shared<OperatorPanel>();
@@ -28,6 +29,7 @@ struct ArmRunOptions {
 
 /// How a run on an arm went.
 struct ArmRun {
+  std::string address;  ///< of the arm
   std::filesystem::path log;
   bool whole = false;        ///< it came to its end, and no fault
   SafetyReport safety;       ///< at the end
@@ -50,7 +52,8 @@ struct ArmRun {
 ///   - the arm is handed back, however the run ends
 ///
 /// Every tick has a row in the log; rows that the disk is too slow for are dropped and counted.
-/// Throws Error if there is no such arm or sensor, and what the run throws.
+/// Throws Error if the file is none for an arm or its log is there, FailedRun if there is no such
+/// arm or sensor, and what the run throws.
 ArmRun RunOnArm(const ExperimentFile& file, const ArmRunOptions& o);
 
 }  // namespace pliant

@@ -9,9 +9,13 @@
 #include <map>
 #include <thread>
 
+#include "pliant/analysis/run_experiment.h"
 #include "pliant/analysis/run_on_arm.h"
 #include "pliant/apps/commands.h"
+#include "pliant/apps/says_something.h"
 #include "pliant/apps/stop_signals.h"
+#include "pliant/controllers/safety_text.h"
+#include "pliant/plants/parameter_text.h"
 #include "pliant/systems/nearest_name.h"
 
 namespace pliant {
@@ -29,16 +33,15 @@ class Console {
 
  private:
   void Watch(const std::stop_token& stop) {
-    bool listens = isatty(STDIN_FILENO) != 0;
     SafetyState shown = SafetyState::Engaging;
     while (!stop.stop_requested()) {
       if (StopSignals::requested) panel_->stop = true;
       pollfd in{.fd = STDIN_FILENO, .events = POLLIN, .revents = 0};
-      if (listens && poll(&in, 1, 20) > 0) {
+      if (listens_ && poll(&in, 1, 20) > 0) {
         char typed[64];
-        listens = read(STDIN_FILENO, typed, sizeof typed) > 0;
-        if (listens) ++panel_->acknowledged;
-      } else if (!listens) {
+        listens_ = read(STDIN_FILENO, typed, sizeof typed) > 0;
+        if (listens_) ++panel_->acknowledged;
+      } else if (!listens_) {
         std::this_thread::sleep_for(std::chrono::milliseconds(20));
       }
       if (const SafetyState now = panel_->state; now != shown) {
@@ -51,17 +54,18 @@ class Console {
     const SafetyCause cause = panel_->cause;
     std::string line = Words(state)[static_cast<std::size_t>(state)];
     if (cause != SafetyCause::None) {
-      line += ": " + Words(cause)[static_cast<std::size_t>(cause)];
-      if (const int joint = panel_->joint; joint >= 0) line += ", joint " + Text(joint + 1);
-      if (const double limit = panel_->limit; limit != 0)
-        line += ", " + Text(panel_->value.load()) + " (allowed " + Text(limit) + ")";
-      if (cause != SafetyCause::UserStop && state != SafetyState::Stopped)
-        line += "; Enter acknowledges";
+      if (cause == SafetyCause::UserStop)
+        line += panel_->stop ? ": asked to stop" : ": its time is over";
+      else
+        line += ": " + SafetyText(cause, panel_->joint, panel_->value, panel_->limit);
+      if (listens_ && cause != SafetyCause::UserStop && state != SafetyState::Stopped)
+        line += "; Enter acknowledges, once it is over";
     }
     std::fprintf(stderr, "%s\n", line.c_str());
   }
 
   const std::shared_ptr<OperatorPanel> panel_;
+  bool listens_ = isatty(STDIN_FILENO) != 0;  // to what is typed
   std::jthread thread_;
 };
 
@@ -79,21 +83,29 @@ void Choose(ExperimentFile& file, const std::string& name) {
   runs = {*found};
 }
 
-/// In the place of a simulated arm; what is known of its friction stays.
-void PutOnArm(Scenario& scenario, const std::string& address) {
-  Gen3Station station;
-  if (const auto* there = std::get_if<Gen3Station>(&scenario.station)) station = *there;
-  if (const auto* simulated = std::get_if<StationOptions>(&scenario.station))
-    station.friction = simulated->friction;
-  station.address = address;
-  scenario.station = station;
+/// What puts the arm in the place of the station of a file.
+Overrides StationAt(const std::string& address, const Scenario& scenario) {
+  if (IsHardware(scenario)) return {{"station.address", internal::YamlText(address)}};
+  const Gen3Station station{.address = address,
+                            .friction = std::get<StationOptions>(scenario.station).friction};
+  Overrides set{{"station", "!Gen3 {address: " + internal::YamlText(address) + "}"}};
+  if (!station.friction.empty())
+    set.emplace_back("station.friction", internal::ValueOf(station.friction, "").substr(1));
+  return set;
 }
 
 }  // namespace
 
 void AddArmOptions(CLI::App& app, ArmTold& told) {
   app.add_option("--arm", told.address,
-                 "HOST[:TCP[,UDP]] of a Gen3 that is to be run in the place of the simulated arm");
+                 "HOST[:TCP[,UDP]] of a Gen3 that is to be run in the place of the simulated arm")
+      ->check(SaysSomething());
+  app.add_option("--user", told.user, "who opens a session with the arm")
+      ->check(SaysSomething())
+      ->capture_default_str();
+  app.add_option("--password", told.password,
+                 "of that user; as an arm leaves the factory unless told")
+      ->check(SaysSomething());
   app.add_option("--run", told.run, "which of the file's runs the arm is to do");
   app.add_option("--priority", told.priority, "of SCHED_FIFO, for an arm")
       ->check(CLI::Range(1, 99));
@@ -107,17 +119,30 @@ void AddArmOptions(CLI::App& app, ArmTold& told) {
       ->capture_default_str();
 }
 
-bool IsAboutAnArm(const ExperimentFile& file, const ArmTold& told) {
-  return !told.address.empty() || std::ranges::any_of(file.scenarios, IsHardware);
+ExperimentFile ReadForArm(const std::filesystem::path& file, const Overrides& set,
+                          const ArmTold& told) {
+  if (told.address.empty()) return ExperimentFile::Read(file, set);
+  Gen3Address::Of(told.address);
+  Overrides others = set;
+  std::erase_if(others, [](const auto& one) { return one.first.starts_with("station."); });
+  Overrides all = StationAt(told.address, ExperimentFile::Read(file, others).scenarios.front());
+  all.insert(all.end(), set.begin(), set.end());
+  return ExperimentFile::Read(file, all);
+}
+
+bool IsAboutAnArm(const ExperimentFile& file) {
+  return std::ranges::any_of(file.scenarios, IsHardware);
 }
 
 int RunOnArmAndTell(ExperimentFile file, const ArmTold& told, const std::filesystem::path& out,
                     bool force) {
   Choose(file, told.run);
-  if (!told.address.empty())
-    for (Scenario& scenario : file.scenarios) PutOnArm(scenario, told.address);
   const StopSignals signals;
-  ArmRunOptions options{.out = out, .force = force, .overrun = kOverruns.at(told.overrun)};
+  ArmRunOptions options{.out = out,
+                        .force = force,
+                        .user = told.user,
+                        .password = told.password,
+                        .overrun = kOverruns.at(told.overrun)};
   options.permissions.lock_memory = told.lock_memory;
   if (told.priority > 0) options.permissions.priority = told.priority;
   if (told.cpu >= 0) options.permissions.cpu = told.cpu;
@@ -125,7 +150,11 @@ int RunOnArmAndTell(ExperimentFile file, const ArmTold& told, const std::filesys
   ArmRun run;
   {
     const Console console(options.panel);
-    run = RunOnArm(file, options);
+    try {
+      run = RunOnArm(file, options);
+    } catch (const FailedRun& e) {
+      throw CannotGoOn(e.what());
+    }
   }
   std::printf("%s\nlog: %s\n", run.text().c_str(), run.log.c_str());
   const bool fault =

@@ -15,6 +15,7 @@ namespace pliant {
 /// What `pliant run --arm` is told beside what `pliant run` is.
 struct ArmTold {
   std::string address;
+  std::string user = "admin", password = "admin";
   int priority = 0, cpu = -1;  ///< 0, −1: not asked for
   bool lock_memory = false;
   std::string overrun = "skip";
@@ -23,10 +24,17 @@ struct ArmTold {
 
 void AddArmOptions(CLI::App& app, ArmTold& told);
 
-/// Whether the file, or the command, is about an arm that is there.
-bool IsAboutAnArm(const ExperimentFile& file, const ArmTold& told);
+/// The file as `--arm` and `--set` want it. With an address the arm that is there stands in the
+/// place of the file's station, what is known of its friction stays, and `set` is about the new
+/// station.
+ExperimentFile ReadForArm(const std::filesystem::path& file, const Overrides& set,
+                          const ArmTold& told);
 
-/// Runs it; the exit code: 0 it came to its end or was stopped, 3 a fault ended it.
+/// Whether the file is about an arm that is there.
+bool IsAboutAnArm(const ExperimentFile& file);
+
+/// Runs it; the exit code: 0 it came to its end or was stopped, 3 a fault ended it. Throws
+/// CannotGoOn if there is no such arm.
 int RunOnArmAndTell(ExperimentFile file, const ArmTold& told, const std::filesystem::path& out,
                     bool force);
 

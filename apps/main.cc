@@ -16,7 +16,8 @@ constexpr char kExitCodes[] =
     "Exit codes: 0 it ran; 1 a claim fails (--strict), a replay differs, a log is not whole, a\n"
     "contact passes its limits or doctor misses something; 2 wrong use or input; 3 it could not "
     "go\n"
-    "on; 130 stopped by Ctrl-C, what was logged is kept.";
+    "on, or a fault ended the run of an arm; 130 stopped by Ctrl-C, what was logged is kept. The\n"
+    "run of an arm that Ctrl-C stops ends with 0.";
 
 /// What CLI11 would call a missing command; the words before the first option name one.
 void RequireKnownCommand(const CLI::App& app, int argc, char** argv) {

@@ -108,15 +108,14 @@ std::vector<fs::path> Run(const ExperimentFile& file, const Told& told) {
 }
 
 int RunFile(const fs::path& path, const Told& told) {
-  const ExperimentFile file = ExperimentFile::Read(path, OverridesOf(told));
+  const ExperimentFile file = ReadForArm(path, OverridesOf(told), told.arm);
   if (told.check) {
     const std::size_t runs = file.scenarios.size();
     std::printf("%s: %zu %s, nothing is wrong\n", path.c_str(), runs, runs == 1 ? "run" : "runs");
     return 0;
   }
   Require(!told.out.empty(), "--out is required: the folder of logs and report");
-  if (IsAboutAnArm(file, told.arm))
-    return RunOnArmAndTell(file, told.arm, told.out, told.force);
+  if (IsAboutAnArm(file)) return RunOnArmAndTell(file, told.arm, told.out, told.force);
   RefuseToOverwrite(told.out, told.force);
   if (!file.experiment.figures.empty()) FindGnuplot();
   if (told.force)  // a report on other logs than those beside it says what is not so

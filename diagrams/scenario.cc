@@ -644,12 +644,10 @@ ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<Recor
     for (const internal::Value* value : environment->recorded) record(*value);
   with_arm([&](auto& from) {
     record(from.measured_position, from.measured_velocity, from.measured_torque,
-           from.measured_current, from.wrench, from.status);
+           from.measured_current, from.wrench, from.wrench_valid, from.status);
   });
   if (arm) record(arm->position, arm->velocity, arm->joint_torque, arm->energy);
-  if (hardware)
-    record(hardware->temperature, hardware->wrench_valid, hardware->wrench_status,
-           hardware->report);
+  if (hardware) record(hardware->temperature, hardware->wrench_status, hardware->report);
   record(tool.position, tool.pose, tool.twist);
   if (true_torque) record(true_torque->torque);
   if (schedule) record(schedule->mode);

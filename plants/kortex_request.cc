@@ -13,7 +13,7 @@ std::string WayOut(int code) {
   switch (code) {
     case Kinova::Api::INVALID_PASSWORD:
     case Kinova::Api::USER_NOT_FOUND:
-      return "user and password are those of the arm's web page";
+      return "user and password are those of the arm's web page: --user and --password";
     case Kinova::Api::ROBOT_IN_FAULT:
       return "mend what the faults are about, then clear them: `pliant recover gen3 "
              "--clear-faults`";

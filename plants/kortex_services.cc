@@ -49,7 +49,13 @@ std::uint8_t Device(int joint) {
 
 Services::Services(const Gen3Address& address)
     : address_{address}, socket_{Connected(address)}, last_sent_{Clock::now()} {
-  Call(SessionRequest(address));
+  try {
+    Call(SessionRequest(address));
+  } catch (const Error& e) {
+    if (connected_) throw;
+    throw Error(std::string(e.what()) +
+                "; is this the port of a Kinova Gen3's services? It is 10000 from the factory");
+  }
 }
 
 Services::~Services() {

@@ -9,8 +9,8 @@ import time
 import command
 from command import SHORT, InFolder, main
 
-KEYS = ("title, summary, robot, station, payload, model_error, assumed_friction, controller, schedule, environment, integrator, "
-        "duration_s, seed, position_scatter, log_period, repeat, runs, claims, figures, tables")
+KEYS = ("title, summary, robot, station, payload, model_error, assumed_friction, controller, schedule, safety, environment, "
+        "integrator, duration_s, seed, position_scatter, log_period, repeat, runs, claims, figures, tables")
 CLAIM = """
 claims:
   - !{tag} {{id: a, source: nobody, paper: nothing, run: {run}}}

@@ -90,7 +90,7 @@ TEST(Gen3Wire, NamesAWrongPasswordAndTheWayOut) {
   EXPECT_EQ(ErrorOf([&] { ConnectGen3(address); }),
             address.text() +
                 " refused CreateSession for user 'ann': ERROR_DEVICE, INVALID_PASSWORD, \"no such "
-                "luck\"; user and password are those of the arm's web page");
+                "luck\"; user and password are those of the arm's web page: --user and --password");
 }
 
 TEST(Gen3Wire, SaysWhatTheArmAnsweredAndGoesOn) {
@@ -115,7 +115,7 @@ TEST(Gen3Wire, SaysWhatTheArmAnsweredAndGoesOn) {
 TEST(Gen3Wire, HasAWayOutOfTheCommonRefusals) {
   using namespace Kinova::Api;
   const std::vector<std::pair<SubErrorCodes, std::string>> ways{
-      {USER_NOT_FOUND, "user and password are those of the arm's web page"},
+      {USER_NOT_FOUND, "user and password are those of the arm's web page: --user and --password"},
       {ROBOT_IN_FAULT, "then clear them: `pliant recover gen3 --clear-faults`"},
       {ROBOT_IN_EMERGENCY_STOP, "release the emergency stop"},
       {SESSION_NOT_IN_CONTROL, "another session is in control"},
