@@ -216,8 +216,9 @@ void Gen3Arm::Command(ControlMode mode, const JointPosition& q_d, const JointTor
   sample_.status.saturated = 0;
   for (int j = 0; j < kGen3Joints; ++j) {
     Gen3Command::Actuator& a = command_.actuator[static_cast<std::size_t>(j)];
-    const double tau = torques ? tau_d(j) : sample_.torque(j);
-    const double i = mode == ControlMode::Current ? i_d(j) : sample_.current(j);
+    // A joint that has not left its mode yet is still commanded in it.
+    const double tau = torques || Moves(j) ? tau_d(j) : sample_.torque(j);
+    const double i = mode == ControlMode::Current || Moves(j) ? i_d(j) : sample_.current(j);
     if (!(std::abs(tau) <= torque_limit_(j)) || !(std::abs(i) <= o_.current_limit(j)))
       sample_.status.saturated |= JointBits{1} << j;
     a.torque = Within(tau, torque_limit_(j), a.torque);
