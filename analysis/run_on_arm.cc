@@ -182,7 +182,7 @@ class ArmExecution {
     result_.arm = sim.Get(scene.hardware->report);
     result_.whole = !failure && result_.safety.state == SafetyState::Stopped &&
                     result_.safety.cause == SafetyCause::UserStop &&
-                    sim.time() >= scenario_.duration_s;
+                    sim.time() >= scenario_.duration_s && !o_.panel->stop;
     log->AddMetadata("pliant.run", {{"whole", result_.whole ? "1" : "0"},
                                     {"simulated_s", internal::YamlText(sim.time())},
                                     {"wall_s", internal::YamlText(wall)},

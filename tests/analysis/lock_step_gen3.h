@@ -88,16 +88,17 @@ class LockStepGen3 {
       using Clock = std::chrono::steady_clock;
       for (const auto end = Clock::now() + patience;;) {
         const bool served = Served() != before_;  // read first: the answer is there by then
-        if (wire_->Receive(feedback, {})) return true;
+        if (wire_->Receive(feedback, served ? std::chrono::nanoseconds(0) : kPause)) return true;
         if (served || Served() != before_ || Clock::now() >= end)
           return wire_->Receive(feedback, {});
-        std::this_thread::yield();
       }
     }
     Gen3Traffic traffic() const noexcept override { return wire_->traffic(); }
     bool connected() const noexcept override { return wire_->connected(); }
 
    private:
+    static constexpr std::chrono::microseconds kPause{500};
+
     std::int64_t Served() const {
       return emulator_.counts().ticks + wire_->traffic().refused + wire_->traffic().unreadable;
     }

@@ -110,12 +110,11 @@ TEST_P(RunOnArmInMode, BringsTheSupervisorsCommandsToTheArmInSinglePrecision) {
   for (Eigen::Index k = 10; k < 700; ++k) {  // all joints are in the mode, and nobody has stopped
     const Gen3Moment& m = *(first + k);
     constexpr double kRounding = 6e-8;  // 2⁻²⁴ of the number
-    if (torques)
-      EXPECT_LE((m.torque - torque.numbers.col(k)).cwiseAbs().maxCoeff(),
-                kRounding * torque.numbers.col(k).cwiseAbs().maxCoeff());
-    if (currents)
-      EXPECT_LE((m.current - current.numbers.col(k)).cwiseAbs().maxCoeff(),
-                kRounding * current.numbers.col(k).cwiseAbs().maxCoeff());
+    const auto expect = [](const auto& received, const Eigen::VectorXd& said) {
+      EXPECT_LE((received - said).cwiseAbs().maxCoeff(), kRounding * said.cwiseAbs().maxCoeff());
+    };
+    if (torques) expect(m.torque, torque.numbers.col(k));
+    if (currents) expect(m.current, current.numbers.col(k));
   }
 }
 
@@ -133,10 +132,10 @@ TEST(RunOnArm, TurnsAJointOnThroughHalfATurn) {
     std::string text = CirclingArm(mode, OnArm(gen3.address()), "duration_s: 2.5\n");
     const std::string circle =
         "!Circle {center: [0, 0.05, 0], normal: [1, 0, 0], speed: 2, rise_s: 0.5}";
-    // The tool is at x = −0.45 m: −y is on through 180°.
+    // The tool is at x = −0.45 m: +y is on through 180°, as the axis points down.
     text.replace(text.find(circle), circle.size(),
                  "!Waypoints {waypoints: [{time_s: 0.2, position: [0, 0, 0]}, "
-                 "{time_s: 2.2, position: [0, -0.1, 0]}]}");
+                 "{time_s: 2.2, position: [0, 0.1, 0]}]}");
     const Ran r(text, gen3);
     EXPECT_TRUE(r.run.whole) << r.run.text();
     const Eigen::VectorXd q = r.log["arm.measured_position"].numbers.row(0);

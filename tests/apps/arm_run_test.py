@@ -48,7 +48,8 @@ class ArmRun(InFolder):
         return self.ends(0, "recover", "gen3", "--arm", address).splitlines()
 
     def is_handed_back(self, address):
-        return self.state(address)[0] == "found: ARMSTATE_SERVOING_READY, SINGLE_LEVEL_SERVOING"
+        """One whose frames ended before it was handed back may have a fault of its own."""
+        return self.state(address)[0].endswith(", SINGLE_LEVEL_SERVOING")
 
     def test_is_stopped_by_ctrl_c_and_hands_the_arm_back(self):
         _, address = self.emulator()
@@ -60,7 +61,8 @@ class ArmRun(InFolder):
         self.assertIn("damped: user_stop\n", said)
         self.assertIn("ended: stopped\n", told)
         self.assertIn("log: out/logs/run.mcap\n", told)
-        self.assertTrue(self.is_handed_back(address))
+        self.assertEqual(self.state(address)[0],
+                         "found: ARMSTATE_SERVOING_READY, SINGLE_LEVEL_SERVOING")
         self.ends(0, "log", "info", "out/logs/run.mcap")
 
     def test_a_second_ctrl_c_does_not_leave_the_arm_alone(self):
@@ -86,8 +88,8 @@ class ArmRun(InFolder):
         self.assertRegex(said, r"pliant: the process that ran the arm at 127\.0\.0\.1:\d+ is gone; "
                                r"the arm was set to single-level servoing\n")
         self.assertTrue(self.is_handed_back(address))
-        self.ends(0, "log", "repair", "out/logs/run.mcap")
-        self.assertIn("safety.report", self.ends(0, "log", "info", "out/logs/run.mcap"))
+        self.ends(0, "log", "repair", "out/logs/run.mcap", "whole.mcap")
+        self.assertIn("safety.report", self.ends(0, "log", "info", "whole.mcap"))
 
     def test_a_run_without_a_fault_is_whole_in_lock_step(self):
         _, address = self.emulator("--lock-step")
@@ -111,12 +113,12 @@ class ArmRun(InFolder):
         emulator, address = self.emulator()
         emulator.send_signal(signal.SIGINT)
         emulator.communicate(timeout=30)
-        told = self.ends(3, "run", "held.yaml", "--arm", address, "--out", "out")
+        told = self.ends(2, "run", "held.yaml", "--arm", address, "--out", "out")
         self.assertRegex(told, r"pliant: cannot reach an arm at 127\.0\.0\.1:\d+: ")
 
     def test_refuses_what_is_no_address(self):
         self.refuses("an arm's address is such as 192.168.1.10 or 192.168.1.10:10000, got 'a:b'",
-                     "run", "held.yaml", "--arm", "a:b")
+                     "run", "held.yaml", "--arm", "a:b", "--out", "out")
 
     def test_recovers_an_arm_that_is_in_fault(self):
         _, address = self.emulator("--fault", "actuator_fault@0.5+0.1:3")

@@ -228,6 +228,7 @@ std::vector<Fault> Faults() {
       {SafetyCause::NotFinite, measured(&S::measured_torque, 2, kNaN), true},
       {SafetyCause::PositionLimit, measured(&S::measured_position, 1, 2.235)},
       {SafetyCause::PositionLimit, measured(&S::measured_position, 1, -2.235)},
+      {SafetyCause::PositionJump, measured(&S::measured_position, 0, 0.03)},
       {SafetyCause::VelocityLimit, measured(&S::measured_velocity, 4, -3)},
       {SafetyCause::TorqueLimit,
        [](Watched& w) {

@@ -308,6 +308,17 @@ TEST(Gen3Arm, HandsTheArmBack) {
   EXPECT_EQ(arm.link->asked().size(), asked) << "it commands no more";
 }
 
+TEST(Gen3Arm, CommandsAJointInItsModeUntilItHasLeftIt) {
+  Arm arm;
+  arm.Tick(ControlMode::Current);
+  arm.link->refuses = "mode";
+  for (int k = 0; k < 3; ++k)
+    arm.Tick(ControlMode::Position, {0, 0, 0, 0, 0, 0, 0}, {1, 2, 3, 4, 5, 6, 7},
+             {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7});
+  EXPECT_FLOAT_EQ(arm.sent(6).torque, 7) << "refused position mode: it is still in the other";
+  EXPECT_FLOAT_EQ(arm.sent(6).current, 0.7F);
+}
+
 TEST(Gen3Arm, HandsTheArmBackInRealTimeToo) {
   Arm arm;
   Gen3Arm::Options o = arm.options();
