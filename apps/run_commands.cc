@@ -115,8 +115,7 @@ int RunFile(const fs::path& path, const Told& told) {
     return 0;
   }
   Require(!told.out.empty(), "--out is required: the folder of logs and report");
-  if (IsAboutAnArm(file, told.arm))
-    return RunOnArmAndTell(file, told.arm, told.out, told.force);
+  if (IsAboutAnArm(file, told.arm)) return RunOnArmAndTell(file, told.arm, told.out, told.force);
   RefuseToOverwrite(told.out, told.force);
   if (!file.experiment.figures.empty()) FindGnuplot();
   if (told.force)  // a report on other logs than those beside it says what is not so

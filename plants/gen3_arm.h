@@ -92,8 +92,8 @@ struct Gen3Sample {
 /// servoing, and as soon as it has it for the mode, one joint after another. Services take some
 /// 25 ms each and have a thread of their own; the frames go on meanwhile. A joint that is not in
 /// position mode gets its own measured position as position command: if frames fail to come, its
-/// firmware notices the growing error and holds (example 108 of the vendor). So does one whose answer
-/// to position mode does not come: it may be in it, and is led as if it were.
+/// firmware notices the growing error and holds (example 108 of the vendor). So does one whose
+/// answer to position mode does not come: it may be in it, and is led as if it were.
 ///
 /// What is sent is finite and within limits, whatever is commanded: torques, currents and the pace
 /// of positions are cut; in the place of a number that is none stays the last one.
@@ -172,7 +172,7 @@ class Gen3Arm {
 
   // Between the tick and the services.
   std::atomic<std::uint8_t> wanted_{kNone};  // a Gen3Mode, as are those of the joints
-  Fields mode_{}, asked_{};  // as answered; as asked for last, answered or not
+  Fields mode_{}, asked_{};                  // as answered; as asked for last, answered or not
   std::atomic<bool> low_level_{false}, failed_{false}, over_{false};
   mutable std::mutex failures_mutex_;
   std::string failures_;

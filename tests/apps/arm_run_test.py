@@ -89,7 +89,7 @@ class ArmRun(InFolder):
                                r"the arm was set to single-level servoing\n")
         self.assertTrue(self.is_handed_back(address))
         self.ends(0, "log", "repair", "out/logs/run.mcap", "whole.mcap")
-        self.assertIn("safety.report", self.ends(0, "log", "info", "whole.mcap"))
+        self.assertIn("/safety/report ", self.ends(0, "log", "info", "whole.mcap"))
 
     def test_a_run_without_a_fault_is_whole_in_lock_step(self):
         _, address = self.emulator("--lock-step")
