@@ -93,9 +93,9 @@ struct Gen3Sample {
 /// servoing, and as soon as it has it for the mode, one joint after another. Services take some
 /// 25 ms each and have a thread of their own; the frames go on meanwhile. A joint that is not in
 /// position mode gets its own measured position as position command: if frames fail to come, its
-/// firmware notices the growing error and holds (example 108 of the vendor). Where a service
-/// failed, an actuator reports a fault, or position mode was asked for and not yet answered, the
-/// joint is led as if it were in position mode: it may be.
+/// firmware notices the growing error and holds (example 108 of the vendor). Where position
+/// mode was asked for and not yet answered, the joint is led as if it were in it: it may be. Where
+/// a service failed, or an actuator reports a fault, its position command stays where it is.
 ///
 /// Measurements are as old as the command they answer: `age` counts the ticks since its answer
 /// could have been there. A joint none of whose numbers changes for long is old too, and a torque

@@ -89,7 +89,7 @@ class ArmRun(InFolder):
                                r"the arm was set to single-level servoing\n")
         self.assertTrue(self.is_handed_back(address))
         self.ends(0, "log", "repair", "out/logs/run.mcap", "whole.mcap")
-        self.assertIn("safety.report", self.ends(0, "log", "info", "whole.mcap"))
+        self.assertIn("/safety/report ", self.ends(0, "log", "info", "whole.mcap"))
 
     def test_a_run_without_a_fault_is_whole_in_lock_step(self):
         _, address = self.emulator("--lock-step")
@@ -113,7 +113,7 @@ class ArmRun(InFolder):
         emulator, address = self.emulator()
         emulator.send_signal(signal.SIGINT)
         emulator.communicate(timeout=30)
-        told = self.ends(2, "run", "held.yaml", "--arm", address, "--out", "out")
+        told = self.ends(3, "run", "held.yaml", "--arm", address, "--out", "out")
         self.assertRegex(told, r"pliant: cannot reach an arm at 127\.0\.0\.1:\d+: ")
 
     def test_refuses_what_is_no_address(self):
