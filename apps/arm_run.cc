@@ -5,6 +5,8 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
+#include <csignal>
 #include <cstdio>
 #include <map>
 #include <thread>
@@ -29,13 +31,31 @@ const std::map<std::string, Overrun> kOverruns{
 class Console {
  public:
   explicit Console(std::shared_ptr<OperatorPanel> panel)
-      : panel_{std::move(panel)}, thread_{[this](const std::stop_token& s) { Watch(s); }} {}
+      : panel_{std::move(panel)},
+        stops_{[this](const std::stop_token& s) { PassStopsOn(s); }},
+        thread_{[this](const std::stop_token& s) { Watch(s); }} {
+    // A process that stands still leaves its arm where the last frame put it.
+    for (const int signal : kSuspend) std::signal(signal, SIG_IGN);
+  }
+  ~Console() {
+    for (const int signal : kSuspend) std::signal(signal, SIG_DFL);
+  }
+  Console(const Console&) = delete;
+  Console& operator=(const Console&) = delete;
 
  private:
+  static constexpr std::array kSuspend{SIGTSTP, SIGTTIN, SIGTTOU};
+
+  /// By a thread of its own: telling waits for a terminal that was held by Ctrl-S.
+  void PassStopsOn(const std::stop_token& stop) const {
+    while (!stop.stop_requested()) {
+      if (StopSignals::requested) panel_->stop = true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+  }
   void Watch(const std::stop_token& stop) {
     SafetyState shown = SafetyState::Engaging;
     while (!stop.stop_requested()) {
-      if (StopSignals::requested) panel_->stop = true;
       pollfd in{.fd = STDIN_FILENO, .events = POLLIN, .revents = 0};
       if (listens_ && poll(&in, 1, 20) > 0) {
         char typed[64];
@@ -66,7 +86,7 @@ class Console {
 
   const std::shared_ptr<OperatorPanel> panel_;
   bool listens_ = isatty(STDIN_FILENO) != 0;  // to what is typed
-  std::jthread thread_;
+  std::jthread stops_, thread_;
 };
 
 /// The run that is named, or the only one.

@@ -34,12 +34,11 @@ enum class Then {
   Waits,   ///< it never had the arm
 };
 
-/// The matrix: whatever the mode, but for the cause in position control where that is another.
+/// The matrix, whatever the mode.
 struct Row {
   const char* fault;  ///< KIND@START+DURATION[:JOINT]; of the arm, the network, or our own side
   const char* cause;
   Then then;
-  const char* position_cause = cause;
 };
 
 // Faults that are shorter than stale_after, 5 ticks, or that leave fresh numbers, do not stop the
@@ -66,10 +65,10 @@ constexpr Row kMatrix[] = {
     {"actuator_fault@1.2+0.4:4", "joint_fault", Then::Holds},
     {"following_error@1.2+0.4:4", "joint_fault", Then::Holds},
     {"overspeed@1.2+0.4:2", "joint_fault", Then::Holds},
+    {"torque_sensor_dead@1.2+0.4:2", "joint_fault", Then::Holds},
     // No torque is so far off that it could not be: the limits of commands bound what comes of it.
-    {"torque_sensor_dead@1.2+0.4:2", "user_stop", Then::GoesOn},
     {"torque_jump@1.2+0.4:2", "user_stop", Then::GoesOn},
-    {"torque_jump@1.2+0.4:6", "torque_jump", Then::Damps},
+    {"torque_jump@1.2+0.4:6", "torque_jump", Then::Holds},
     {"encoder_jump@1.2+9:4", "position_jump", Then::Damps},
     {"emergency_stop@1.2+0.4", "arm_fault", Then::Holds},
     {"session_expired@1.2+0.4", "not_connected", Then::Holds},
@@ -77,7 +76,7 @@ constexpr Row kMatrix[] = {
     {"servoing_refused@0+9", "not_connected", Then::Waits},
     {"slow_services@0+9", "user_stop", Then::GoesOn},
     {"nan_command@1.2+0.4", "command_not_finite", Then::Damps},
-    {"command_jump@1.2+0.4", "command_jump", Then::Damps, "tracking"},
+    {"command_jump@1.2+0.4", "command_jump", Then::Damps},
     {"divergence@1.2+0.4", "divergence", Then::Damps},
     {"overruns@1.2+0.4", "overruns", Then::Damps},
     {"user_stop@1.2+0", "user_stop", Then::Damps},
@@ -90,8 +89,8 @@ std::string Word(Enum value) {
 
 std::string PathOf(const Row& row, ControlMode mode) {
   const bool leads = mode == ControlMode::Position;
-  std::string path = leads ? "" : "engaging, ";
-  if (row.then != Then::Waits || leads) path += "running, ";
+  std::string path = "engaging, ";
+  if (row.then != Then::Waits) path += "running, ";
   if (!leads && (row.then == Then::GoesOn || row.then == Then::Damps)) path += "damped, ";
   return path + "holding, stopped";
 }
@@ -218,12 +217,9 @@ Bounds BoundsOf(const Row& row, ControlMode mode, double speed) {
   const PerJoint M = d.M.diagonal();
   const PerJoint D = PerJoint(0.08 * arm.model.effort_limit()).cwiseMin(100 * M);
   const double T = (M + arm.actuators.reflected_inertia()).cwiseQuotient(D).maxCoeff();
-  double v = speed, by_fault = 0;
+  const double v = speed;
+  double by_fault = 0;
   if (KindOf(row.fault) == "encoder_jump") by_fault = 2 * std::numbers::pi / 180;
-  if (KindOf(row.fault) == "command_jump" && mode == ControlMode::Position) {
-    v = arm.model.velocity_limit().maxCoeff();  // which it is led with, until it is found
-    by_fault = s.tracking;
-  }
   return {kFound + s.damped_s + v / s.deceleration + kOwn,
           v * (kFound + kOwn + T) + v * v / (2 * s.deceleration) + by_fault};
 }
@@ -301,12 +297,11 @@ class FaultMatrix : public testing::TestWithParam<ControlMode> {};
 
 TEST_P(FaultMatrix, IsAsTheTableSays) {
   const ControlMode mode = GetParam();
-  const bool leads = mode == ControlMode::Position;
   std::vector<std::string> lines;
   for (const Row& row : kMatrix) {
     SCOPED_TRACE(std::string(row.fault) + ", " + Word(mode));
     const Outcome o = RunWith(row.fault, mode);
-    EXPECT_THAT(o.cause, StrEq(leads ? row.position_cause : row.cause));
+    EXPECT_THAT(o.cause, StrEq(row.cause));
     EXPECT_THAT(o.path, StrEq(PathOf(row, mode)));
     EXPECT_TRUE(o.is_handed_back) << o.run.handing_back;
     EXPECT_EQ(o.run.whole, row.then == Then::GoesOn);
