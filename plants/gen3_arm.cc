@@ -165,7 +165,8 @@ void Gen3Arm::Decode() noexcept {
     sample_.torque(j) = -static_cast<double>(a.torque);
     sample_.current(j) = a.current;
     sample_.temperature(j) = a.motor_temperature;
-    const bool dead_torque = o_.frozen_after > 0 && same_torque_[i] > o_.frozen_after;
+    const int n = o_.frozen_after;
+    const bool dead_torque = n > 0 && same_torque_[i] > n && same_[i] <= n;
     if (a.fault_a || a.fault_b || a.status_flags & kMajorFault || dead_torque)
       status.faulted |= JointBits{1} << j;
     report.fault[i] = a.fault_a;

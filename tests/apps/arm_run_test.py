@@ -58,7 +58,7 @@ class ArmRun(InFolder):
         run.send_signal(signal.SIGINT)
         told, said = run.communicate(timeout=60)
         self.assertEqual(run.returncode, 0, said + told)
-        self.assertIn("damped: user_stop\n", said)
+        self.assertIn("damped: asked to stop\n", said)
         self.assertIn("ended: stopped\n", told)
         self.assertIn("log: out/logs/run.mcap\n", told)
         self.assertEqual(self.state(address)[0],

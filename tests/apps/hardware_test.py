@@ -48,12 +48,12 @@ class Hardware(InFolder):
 
     def test_a_fault_is_told_with_its_unit_and_what_to_do(self):
         told, said = self.on_arm(3, "gen3_compliance", options=("--fault", "torque_jump@1+0.1:2"))
-        self.assertRegex(said, r"damped: torque_jump at joint 2: [\d.]+ N·m, allowed 19 N·m in a tick\n")
+        self.assertRegex(said, r"holding: torque_jump at joint 2: [\d.]+ N·m, allowed 19 N·m in a tick\n")
         self.assertIn("what to do: did it hit something?", told)
         told, said = self.on_arm(3, "gen3_compliance", "--force", options=("--fault", "actuator_fault@1+0.1:3"))
         self.assertIn("joint 3 reports MOTOR_DRIVER_FAULT\n", told)
         self.assertRegex(told, rf"pliant recover gen3 --arm {PLACE},\d+ --clear-faults\n")
-        self.assertIn("of actuator 1, 2, 3, 4, 5, 6, 7: ", told)
+        self.assertIn("not done: the mode of joint 1: ", told)
 
     def test_an_arm_that_is_not_there_or_lets_nobody_in_ends_with_3(self):
         self.assertRegex(self.ends(3, "run", "arm.yaml", "--set", "environment=[]", "--set", "station.frozen_after=0",
