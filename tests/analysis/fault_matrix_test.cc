@@ -232,13 +232,22 @@ std::string Fixed(double x, int digits) {
   return text;
 }
 
+/// Whether a silent arm counts as lost before it is handed back depends on how long that takes.
+bool IsByTheWallClock(const Row& row) {
+  return KindOf(row.fault) == "silent" && row.then == Then::Holds;
+}
+
 std::string LineOf(const Row& row, const Outcome& o) {
   const bool stops = row.then == Then::Holds || row.then == Then::Damps;
   const double degrees = 180 / std::numbers::pi;
   return "| `" + std::string(row.fault) + "` | " + (row.then == Then::GoesOn ? "none" : o.cause) +
          " | " + (row.then == Then::GoesOn ? "goes on" : o.path) + " | " +
          (stops ? Fixed(o.at_rest, 2) + " s | " + Fixed(degrees * o.moved, 1) + "°" : "– | –") +
-         " | " + (o.run.handing_back.empty() ? "yes" : "by another connection") + " |\n";
+         " | " +
+         (IsByTheWallClock(row)        ? "one way or the other"
+          : o.run.handing_back.empty() ? "yes"
+                                       : "by another connection") +
+         " |\n";
 }
 
 constexpr const char* kDocument = PLIANT_SOURCE_DIR "/docs/fault-matrix.md";
