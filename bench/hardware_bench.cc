@@ -132,7 +132,8 @@ void Tick(benchmark::State& state) {
         .torque_per_ampere = known.actuators.torque_per_ampere(),
         .frozen_after = 0,
         .lock_step = std::chrono::seconds(1)});
-    Show(state, Run(arm, {.paced = false}, 32));
+    Show(state,
+         Run(arm, {.paced = false, .permissions = {.priority = 80, .lock_memory = true}}, 32));
   }
 }
 BENCHMARK(Tick)->Name("HardwareTick/NoNetwork")->Iterations(1)->Unit(benchmark::kMillisecond);
