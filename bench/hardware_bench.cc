@@ -23,22 +23,6 @@
 namespace pliant {
 namespace {
 
-/// Rows go nowhere, as fast as a log with room takes them.
-class Rows final : public RecordSink {
- public:
-  int Open(std::vector<RecordedValue> values) override {
-    std::size_t n = 0;
-    for (const RecordedValue& value : values) n += value.elements.size();
-    row_.resize(n);
-    return 0;
-  }
-  std::span<double> Begin(int, std::int64_t) noexcept override { return row_; }
-  void Commit() noexcept override {}
-
- private:
-  std::vector<double> row_;
-};
-
 /// Frames are written and read, and go nowhere: the arm sways, whatever it is told.
 class NoNetwork final : public Gen3Link {
  public:

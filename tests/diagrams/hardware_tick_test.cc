@@ -23,24 +23,6 @@
 namespace pliant {
 namespace {
 
-/// Takes rows, as a log does that has room.
-class Rows final : public RecordSink {
- public:
-  int Open(std::vector<RecordedValue> values) override {
-    std::size_t n = 0;
-    for (const RecordedValue& value : values) n += value.elements.size();
-    row_.resize(n);
-    return 0;
-  }
-  std::span<double> Begin(int, std::int64_t) noexcept override { return row_; }
-  void Commit() noexcept override { ++rows; }
-
-  int rows = 0;
-
- private:
-  std::vector<double> row_;
-};
-
 /// Acts at each tick.
 class Probe final : public Block {
  public:

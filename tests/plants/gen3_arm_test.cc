@@ -331,6 +331,28 @@ TEST(Gen3Arm, HandsTheArmBackInRealTimeToo) {
   for (const Gen3Mode of : arm.link->mode) EXPECT_EQ(of, Gen3Mode::Position);
 }
 
+TEST(Gen3Arm, CarriesItsWeightAndDampsUntilItIsHandedBack) {
+  Arm arm;
+  arm.actuator(1).position = 90;  // stretched out to the side
+  arm.actuator(3).velocity = 20;
+  arm.link->now.actuator[1].torque = 1;
+  Gen3Arm::Options o = arm.options();
+  o.lock_step = {};
+  o.frozen_after = 0;
+  arm.arm.emplace(o);
+  arm.Tick(ControlMode::Torque, arm->start().position, {0, 50, 0, 0, 0, 0, 0});
+  while (arm->Latest().status.switching != 0) arm.Tick(ControlMode::Torque);
+  arm->HandBack();
+  const RobotModel model = Gen3();
+  RobotDynamics d(model);
+  ComputeDynamics(model, arm->start().position, JointVelocity::Zero(model.joints()), d);
+  ASSERT_LT(d.gravity(1), -20);
+  EXPECT_NEAR(arm.sent(1).torque, d.gravity(1), 1e-5) << "single precision of 22 N·m";
+  EXPECT_NEAR(arm.sent(1).current, d.gravity(1) / 11, 1e-6);
+  const double damped = d.gravity(3) - 0.08 * model.effort_limit()(3) * 20 * kPi / 180;
+  EXPECT_NEAR(arm.sent(3).torque, damped, 1e-5);
+}
+
 TEST(Gen3Arm, SaysWhatServiceFailedAndIsNotConnected) {
   Arm arm;
   arm.link->refuses = "mode 3 of 4";

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "pliant/diagrams/gen3_emulator.h"
 #include "pliant/diagrams/scenario.h"
@@ -30,6 +32,24 @@ duration_s: 100000
       .Fill(scenario);
   return scenario;
 }
+
+/// Takes rows, as a log does that has room.
+class Rows final : public RecordSink {
+ public:
+  int Open(std::vector<RecordedValue> values) override {
+    std::size_t n = 0;
+    for (const RecordedValue& value : values) n += value.elements.size();
+    row_.resize(n);
+    return 0;
+  }
+  std::span<double> Begin(int, std::int64_t) noexcept override { return row_; }
+  void Commit() noexcept override { ++rows; }
+
+  int rows = 0;
+
+ private:
+  std::vector<double> row_;
+};
 
 /// An emulated arm on the loopback, and the way to it.
 struct EmulatedArm {
