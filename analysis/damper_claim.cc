@@ -18,7 +18,7 @@ constexpr const char* kVelocity = "arm.velocity";
 void DamperClaim::RequireFit(const Scenario& scenario) const {
   ComplianceOf(scenario.controller);
   RequireRowBetween(from_s, to_s, scenario);
-  const RobotModel model = RobotModel::FromUrdf(UrdfOf(scenario));
+  const RobotModel model = RobotOf(scenario);
   Require(bound != DamperBound::Position ||
               model.joint(model.joint_index(joint)).type != Joint::Type::Continuous,
           "bound position: '" + joint + "' is continuous and has no position limit");

@@ -67,8 +67,7 @@ Claim DifferenceClaim::Judge(const RepeatedNumber& measured) const {
   const std::string& unit = measured.unit();
   const bool less = direction == DifferenceDirection::Less;
   const std::string criterion = "two-sided p < " + Text(alpha) + ", and " + first.title + " is " +
-                                Words(direction)[static_cast<std::size_t>(direction)] + " (r " +
-                                (less ? "<" : ">") + " 0)";
+                                WordOf(direction) + " (r " + (less ? "<" : ">") + " 0)";
   const std::string basis =
       "Mann–Whitney U test over all repetitions, rank-biserial r as effect size; α stated "
       "beforehand";

@@ -16,7 +16,7 @@ std::string TextOf(const DynamicsResult& result);
 Report ReportOf(const DynamicsResult& result);
 
 /// A payload as a scenario has it: link, mass, centre, and the radius of the ball that has the mean
-/// of its moments of inertia; its <inertial> for a URDF stands in a remark. Throws Error if the
+/// of its moments of inertia; its `<inertial>` for a URDF stands in a remark. Throws Error if the
 /// result is not about a payload.
 std::string PayloadYaml(const DynamicsResult& result);
 

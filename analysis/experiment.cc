@@ -9,6 +9,7 @@
 #include <string_view>
 #include <type_traits>
 
+#include "pliant/analysis/recorded_names.h"
 #include "pliant/plants/parameter_text.h"
 #include "pliant/plants/shared_file.h"
 #include "pliant/systems/nearest_name.h"
@@ -17,24 +18,9 @@ namespace pliant {
 
 namespace {
 
-/// Takes the names of what would be recorded, and nothing else.
-class NamesOnly final : public RecordSink {
- public:
-  int Open(std::vector<RecordedValue> values) override {
-    for (RecordedValue& value : values) {
-      const Eigen::MatrixXd none(value.elements.size(), 0);
-      signals.push_back({std::move(value), {}, none});
-    }
-    return 0;
-  }
-  std::span<double> Begin(int, std::int64_t) noexcept override { return {}; }
-  void Commit() noexcept override {}
-
-  std::vector<RecordedSignal> signals;
-};
-
 /// Where a file of identified friction may stand instead of what it says.
 constexpr std::array<std::string_view, 2> kFrictions{"station.friction", "assumed_friction"};
+constexpr std::string_view kActuators = "station.actuators", kRobot = "robot";
 
 /// The friction that a file says, so that a log needs no other file.
 std::string FrictionIn(const std::filesystem::path& file) {
@@ -44,41 +30,113 @@ std::string FrictionIn(const std::filesystem::path& file) {
   return read["joints"].yaml();
 }
 
-/// A path is relative to `directory`.
-std::string WithFriction(std::string_view key, const std::string& yaml,
-                         const std::filesystem::path& directory) {
-  const bool names_a_file = std::ranges::find(kFrictions, key) != kFrictions.end() &&
-                            yaml.find_first_of("[{") == std::string::npos;
-  if (!names_a_file) return yaml;
-  return FrictionIn(directory / ParameterFile::ReadText(yaml, std::string(key)).text());
+/// The actuators that a file says, as a scenario says them.
+std::string ActuatorsIn(const std::filesystem::path& file, const std::string& robot) {
+  Scenario scenario;
+  scenario.robot = robot;
+  const Joints joints = RobotOf(scenario).joints();
+  const ArmActuators arm = ArmActuators::Read(file, joints);
+  StationActuators actuators{.transmission = arm.transmission, .friction = arm.friction};
+  for (int j = 0; j < joints.size(); ++j)
+    actuators.joints.push_back({joints[j], arm.joint[static_cast<std::size_t>(j)]});
+  return ParametersText(actuators);
 }
 
-/// A text that stands at a place, if there is one.
-std::optional<std::string> YamlAt(const ParameterFile& file, std::string_view path) {
-  std::optional<ParameterFile> place = file;
-  for (const auto key : std::views::split(path, '.')) {
-    if (place) place = place->Find(std::string_view(key.begin(), key.end()));
-  }
-  if (!place) return {};
-  return place->yaml();
+/// The robot that a URDF file says, its text.
+std::string RobotIn(const std::filesystem::path& file) {
+  RobotModel::FromUrdf(file);  // with the file and the line of what is wrong
+  return internal::YamlText(ParameterFile::TextOf(file));
 }
+
+/// What stands in the place of the name of a file, so that a log needs no other file. A path is
+/// relative to `directory`.
+std::string WithFile(std::string_view key, const std::string& yaml,
+                     const std::filesystem::path& directory, const std::string& robot) {
+  const auto named = [&] {
+    return directory / ParameterFile::ReadText(yaml, std::string(key)).text();
+  };
+  const bool is_word = yaml.find_first_of("[{<~") == std::string::npos && yaml != "null";
+  if (is_word && std::ranges::find(kFrictions, key) != kFrictions.end()) return FrictionIn(named());
+  if (is_word && key == kActuators) return ActuatorsIn(named(), robot);
+  if (is_word && key == kRobot && named().extension() == ".urdf") return RobotIn(named());
+  return yaml;
+}
+
+/// A place in a file, if it is there.
+std::optional<ParameterFile> PlaceAt(const ParameterFile& file, std::string_view path) {
+  std::optional<ParameterFile> place = file;
+  for (const auto key : std::views::split(path, '.'))
+    if (place) place = place->Find(std::string_view(key.begin(), key.end()));
+  return place;
+}
+
+/// A file, and what is put in the place of what it says.
+class Changed {
+ public:
+  Changed(const std::string& text, const std::string& source)
+      : source_{source},
+        beside_{std::filesystem::path(source).parent_path()},
+        file_{ParameterFile::ReadText(text, source)} {}
+
+  Experiment Filled(const Overrides& set, const RunOf* run) {
+    // The others may be about its joints.
+    const auto of_robot = [](const auto& change) { return change.first == kRobot; };
+    if (std::ranges::none_of(set, of_robot)) ReadFileAt(kRobot);
+    for (const auto& [path, yaml] : set)
+      if (path == kRobot) Set(path, yaml);
+    for (const std::string_view key : {kFrictions[0], kFrictions[1], kActuators}) ReadFileAt(key);
+    for (const auto& [path, yaml] : set)
+      if (path != kRobot) Set(path, yaml);
+    if (run)
+      for (const auto& [path, yaml] : run->set)
+        file_.Set(path, WithFile(path, yaml, beside_, robot()),
+                  source_ + ": run '" + run->name + "', " + path + ": " + yaml);
+    Experiment experiment;
+    file_.Fill(experiment);
+    return experiment;
+  }
+
+ private:
+  std::string robot() const {
+    const auto place = PlaceAt(file_, kRobot);
+    return place ? place->text() : "";
+  }
+
+  void ReadFileAt(std::string_view key) {
+    const auto place = PlaceAt(file_, key);
+    if (!place) return;
+    const auto read = [&] {
+      file_.Set(std::string(key), WithFile(key, place->yaml(), beside_, robot()), source_);
+    };
+    if (key != kRobot && key != kActuators) return read();
+    try {
+      read();
+    } catch (const Error& e) {
+      place->Fail(e.what());
+    }
+  }
+
+  void Set(const std::string& path, const std::string& yaml) {
+    const std::string source = "--set " + path + "=" + yaml;
+    if (path != kRobot && path != kActuators)
+      return file_.Set(path, WithFile(path, yaml, {}, robot()), source);
+    std::string with;
+    try {
+      with = WithFile(path, yaml, {}, robot());
+    } catch (const Error& e) {
+      throw Error(source + ": " + e.what());
+    }
+    file_.Set(path, with, source);
+  }
+
+  const std::string source_;
+  const std::filesystem::path beside_;
+  ParameterFile file_;
+};
 
 Experiment Filled(const std::string& text, const std::string& source, const Overrides& set,
                   const RunOf* run) {
-  const std::filesystem::path beside = std::filesystem::path(source).parent_path();
-  ParameterFile file = ParameterFile::ReadText(text, source);
-  for (const std::string_view key : kFrictions)
-    if (const auto yaml = YamlAt(file, key))
-      file.Set(std::string(key), WithFriction(key, *yaml, beside), source);
-  for (const auto& [path, yaml] : set)
-    file.Set(path, WithFriction(path, yaml, {}), "--set " + path + "=" + yaml);
-  if (run)
-    for (const auto& [path, yaml] : run->set)
-      file.Set(path, WithFriction(path, yaml, beside),
-               source + ": run '" + run->name + "', " + path + ": " + yaml);
-  Experiment experiment;
-  file.Fill(experiment);
-  return experiment;
+  return Changed(text, source).Filled(set, run);
 }
 
 constexpr std::size_t kLongestName = 100;  // and of its log, with a number and a suffix
@@ -229,7 +287,7 @@ ExperimentFile ExperimentFile::ReadText(const std::string& text, const std::stri
         if (std::ranges::find(run.set, path, &Overrides::value_type::first) != run.set.end())
           throw Error("--set " + path + "=" + yaml + ": run '" + run.name +
                       "' sets it too, and would have its way");
-      const auto names = std::make_shared<NamesOnly>();
+      const auto names = std::make_shared<RecordedNames>();
       const Experiment changed = Filled(text, source, set, &run);
       file.scenarios.push_back(changed.scenario);
       ScenarioDiagram(changed.scenario, names).builder.Build();

@@ -167,10 +167,9 @@ Table FrictionModels(const std::vector<FrictionResult>& results) {
     for (const FrictionFit& f : result.candidates) {
       std::string not_told;
       for (const auto& u : f.unidentified) not_told += (not_told.empty() ? "" : ", ") + u.name;
-      table.rows.push_back({result.log.joint,
-                            Words(f.options.model)[static_cast<std::size_t>(f.options.model)],
-                            Digits(f.aic, "%.1f"), Digits(f.bic, "%.1f"),
-                            Digits(f.cross_validation), not_told.empty() ? "–" : not_told});
+      table.rows.push_back({result.log.joint, WordOf(f.options.model), Digits(f.aic, "%.1f"),
+                            Digits(f.bic, "%.1f"), Digits(f.cross_validation),
+                            not_told.empty() ? "–" : not_told});
     }
   return table;
 }
@@ -184,7 +183,7 @@ Report FrictionReportOf(const std::vector<FrictionResult>& results, const std::s
   report.settings = {{"logs", logs}, {"read", read}};
   if (!results.empty()) {
     const FrictionFitOptions& o = results.front().fit.options;
-    report.settings.push_back({"loss", Words(o.loss)[static_cast<std::size_t>(o.loss)]});
+    report.settings.push_back({"loss", WordOf(o.loss)});
     report.settings.push_back({"directions", o.separate ? "separate" : "both"});
   }
   for (const FrictionResult& result : results) {
@@ -200,11 +199,10 @@ Report FrictionReportOf(const std::vector<FrictionResult>& results, const std::s
 
 std::string FrictionText(const FrictionResult& result) {
   const FrictionFit& f = result.fit;
-  std::string all = result.log.joint + ": " +
-                    Words(f.options.model)[static_cast<std::size_t>(f.options.model)] + ", " +
-                    Text(f.samples) + " samples faster than " + Digits(f.least_velocity) +
-                    " rad/s, " + Text(result.log.transient) + " left out after " +
-                    Text(result.log.steps) + " steps of the current\n";
+  std::string all = result.log.joint + ": " + WordOf(f.options.model) + ", " + Text(f.samples) +
+                    " samples faster than " + Digits(f.least_velocity) + " rad/s, " +
+                    Text(result.log.transient) + " left out after " + Text(result.log.steps) +
+                    " steps of the current\n";
   std::array<char, 200> line;
   for (const FrictionEstimate& e : f.estimates) {
     std::snprintf(line.data(), line.size(), "  %-26s %10.4g  from %.4g to %.4g %s\n",
@@ -223,8 +221,8 @@ std::string FrictionText(const FrictionResult& result) {
   }
   for (const FrictionFit& c : result.candidates) {
     std::snprintf(line.data(), line.size(), "  %-16s AIC %.1f  BIC %.1f%s\n",
-                  Words(c.options.model)[static_cast<std::size_t>(c.options.model)].c_str(), c.aic,
-                  c.bic, &c == &result.candidates.front() ? "  taken" : "");
+                  WordOf(c.options.model).c_str(), c.aic, c.bic,
+                  &c == &result.candidates.front() ? "  taken" : "");
     all += line.data();
   }
   for (const std::string& doubt : result.log.doubts) all += "  doubt: " + doubt + "\n";

@@ -1,7 +1,5 @@
 #include "pliant/analysis/mcap_log.h"
 
-#include <signal.h>
-
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
@@ -15,6 +13,7 @@
 #include "pliant/analysis/mcap_writer.h"
 #include "pliant/analysis/ros_log.h"
 #include "pliant/analysis/row_ring.h"
+#include "pliant/analysis/without_signals.h"
 #include "pliant/systems/error.h"
 #include "pliant/systems/time.h"
 
@@ -25,28 +24,13 @@ using internal::LogFile;
 using internal::McapWriter;
 using internal::RosLog;
 using internal::RowRing;
+using internal::WithoutSignals;
 using WallClock = std::chrono::steady_clock;
 
 constexpr std::size_t kChunkBytes = 1 << 20;  // before compression: some milliseconds of work
 constexpr auto kOldestChunk = 500ms;          // wall time: a killed process loses no more than 1 s
 constexpr auto kBetweenLooks = 5ms;           // of the thread that writes, into an empty ring
 constexpr auto kBetweenTries = 100us;         // of a simulation, to find room in a full ring
-
-/// While it lives, its thread handles no signals, and those that it begins never will.
-class WithoutSignals {
- public:
-  WithoutSignals() {
-    sigset_t all;
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before_);
-  }
-  ~WithoutSignals() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
-  WithoutSignals(const WithoutSignals&) = delete;
-  WithoutSignals& operator=(const WithoutSignals&) = delete;
-
- private:
-  sigset_t before_;
-};
 
 }  // namespace
 

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "pliant/analysis/mcap_records.h"
+#include "pliant/analysis/message_sink.h"
 
 namespace pliant::internal {
 
@@ -16,27 +17,26 @@ namespace pliant::internal {
 /// each as it is; and what a file has besides: indexes, statistics, CRCs.
 ///
 /// Source: mcap.dev/spec, version 0.
-class McapWriter {
+class McapWriter final : public MessageSink {
  public:
-  using Words = std::map<std::string, std::string>;
   using Sink = std::function<void(std::string_view)>;  ///< takes the bytes of the file in order
 
   /// Begins the file. What `sink` throws goes through all functions here; the file then ends.
   McapWriter(Sink sink, std::string_view profile, std::string_view library);
-  ~McapWriter();
+  ~McapWriter() override;
   McapWriter(const McapWriter&) = delete;
   McapWriter& operator=(const McapWriter&) = delete;
 
   void AddMetadata(std::string_view name, const Words& words);
-  /// Both return the number of what they add.
-  std::uint16_t AddSchema(std::string_view name, std::string_view encoding, std::string_view text);
+  std::uint16_t AddSchema(std::string_view name, std::string_view encoding,
+                          std::string_view text) override;
   std::uint16_t AddChannel(std::uint16_t schema, std::string_view topic, std::string_view encoding,
-                           const Words& metadata);
+                           const Words& metadata) override;
 
   /// A message in the open chunk; returns where its `size` bytes go, until the next call. The chunk
   /// names all schemas and channels before their messages, and so can be read when all before it is
   /// lost.
-  char* AddMessage(std::uint16_t channel, std::int64_t time_ns, std::size_t size);
+  char* AddMessage(std::uint16_t channel, std::int64_t time_ns, std::size_t size) override;
   std::size_t chunk_bytes() const { return chunk_.size(); }  ///< before compression
 
   /// Closes the open chunk and hands it to the sink. Without messages it does nothing.

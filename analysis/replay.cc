@@ -152,6 +152,7 @@ class Replayer {
                               [this](double t, const AnyValues& values) { See(t, values); })},
         given_{Tracks(part_.given, recording)},
         computed_{Tracks(part_.computed, recording)},
+        changed_{Tracks(part_.changed, recording)},
         sim_{part_.diagram},
         ticks_{part_.diagram} {
     if (computed_.empty())
@@ -253,6 +254,9 @@ class Replayer {
 
   /// The first input that has no row at t, or null.
   const Track* SetGiven(std::int64_t t) {
+    for (Track& track : changed_)
+      for (; track.row < track.rows() && track.time(track.row) <= t; ++track.row)
+        sim_.SetNumbers(*track.value, track.numbers());
     const Track* missing = nullptr;
     for (Track& track : given_) {
       if (track.Reach(t))
@@ -279,7 +283,7 @@ class Replayer {
 
   const std::string name_;
   const Part part_;
-  std::vector<Track> given_, computed_;
+  std::vector<Track> given_, computed_, changed_;
   Simulator sim_;
   Ticks ticks_;
   std::vector<double> replayed_;     // what was computed, at the present instant

@@ -70,7 +70,7 @@ RosLog::RosLog(Options o)
 }
 
 RosLog::Topic RosLog::NewTopic(const std::string& name, RosSchema schema,
-                               McapWriter::Words metadata) const {
+                               MessageSink::Words metadata) const {
   metadata.emplace("offered_qos_profiles", Qos(false));
   return {name, std::move(schema), std::move(metadata)};
 }
@@ -159,7 +159,7 @@ RosLog::Stream& RosLog::At(int stream) {
   return *known_[i];
 }
 
-std::uint16_t RosLog::ChannelOf(McapWriter& to, Topic& topic) {
+std::uint16_t RosLog::ChannelOf(MessageSink& to, Topic& topic) {
   if (topic.channel > 0) return topic.channel;
   auto schema = std::ranges::find(schemas_, topic.schema, &decltype(schemas_)::value_type::first);
   if (schema == schemas_.end()) {
@@ -172,12 +172,12 @@ std::uint16_t RosLog::ChannelOf(McapWriter& to, Topic& topic) {
   return topic.channel;
 }
 
-void RosLog::Write(McapWriter& to, Topic& topic, std::int64_t time_ns, const Cdr& message) {
-  std::ranges::copy(message.bytes(),
-                    to.AddMessage(ChannelOf(to, topic), time_ns, message.bytes().size()));
+void RosLog::Write(MessageSink& to, Topic& topic, std::int64_t time_ns, const Cdr& message) {
+  if (char* at = to.AddMessage(ChannelOf(to, topic), time_ns, message.bytes().size()))
+    std::ranges::copy(message.bytes(), at);
 }
 
-void RosLog::Write(McapWriter& to, int number, std::int64_t time_ns,
+void RosLog::Write(MessageSink& to, int number, std::int64_t time_ns,
                    std::span<const double> numbers) {
   if (!described_ && !options_.robot_description.empty())
     Write(to, description_, time_ns, Cdr() << std::string_view(options_.robot_description));
@@ -186,6 +186,7 @@ void RosLog::Write(McapWriter& to, int number, std::int64_t time_ns,
   for (Series& series : stream.series) {
     const std::size_t bytes = series.size * sizeof(double);
     char* at = to.AddMessage(ChannelOf(to, series.topic), time_ns, Cdr::kHead.size() + bytes);
+    if (!at) continue;
     std::memcpy(at, Cdr::kHead.data(), Cdr::kHead.size());
     std::memcpy(at + Cdr::kHead.size(), numbers.data() + series.begin, bytes);
   }
@@ -196,7 +197,7 @@ void RosLog::Write(McapWriter& to, int number, std::int64_t time_ns,
     WriteTransforms(to, time_ns, numbers.subspan(*joints.position, joints.joints.size()));
 }
 
-void RosLog::WriteJointState(McapWriter& to, const JointState& joints, std::int64_t time_ns,
+void RosLog::WriteJointState(MessageSink& to, const JointState& joints, std::int64_t time_ns,
                              std::span<const double> numbers) {
   const auto part = [&](const std::optional<std::size_t>& begin) {
     return begin ? numbers.subspan(*begin, joints.joints.size()) : std::span<const double>();
@@ -208,7 +209,7 @@ void RosLog::WriteJointState(McapWriter& to, const JointState& joints, std::int6
   Write(to, joint_states_, time_ns, message);
 }
 
-void RosLog::WriteTransforms(McapWriter& to, std::int64_t time_ns,
+void RosLog::WriteTransforms(MessageSink& to, std::int64_t time_ns,
                              std::span<const double> position) {
   // A run that was restored to an earlier time begins anew.
   if (last_transforms_ns_ && time_ns >= *last_transforms_ns_ &&
@@ -229,7 +230,7 @@ void RosLog::WriteTransforms(McapWriter& to, std::int64_t time_ns,
   Write(to, transforms_, time_ns, message);
 }
 
-void RosLog::WriteDropped(McapWriter& to, std::int64_t time_ns, std::int64_t dropped) {
+void RosLog::WriteDropped(MessageSink& to, std::int64_t time_ns, std::int64_t dropped) {
   Write(to, dropped_, time_ns, Cdr() << dropped);
 }
 

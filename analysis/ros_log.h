@@ -14,13 +14,13 @@
 
 #include "pliant/analysis/cdr.h"
 #include "pliant/analysis/link_transforms.h"
-#include "pliant/analysis/mcap_writer.h"
+#include "pliant/analysis/message_sink.h"
 #include "pliant/analysis/ros_schema.h"
 
 namespace pliant::internal {
 
-/// Rows of recorded values as ROS 2 messages of an MCAP file: a topic for each value, and the
-/// topics that tools show a robot from.
+/// Rows of recorded values as ROS 2 messages of a file or of a server: a topic for each value, and
+/// the topics that tools show a robot from.
 ///
 /// The metadata of a value's channel is what RecordedValue holds: "pliant.path", "pliant.type" and,
 /// as JSON arrays, "pliant.elements" and "pliant.units".
@@ -40,17 +40,17 @@ class RosLog {
   /// What the options name and no stream has, as a message; empty if there is nothing.
   std::string Missing() const;
 
-  // What follows is for the thread that writes the file.
+  // What follows is for the thread that writes.
 
-  void Write(McapWriter& to, int stream, std::int64_t time_ns, std::span<const double> numbers);
+  void Write(MessageSink& to, int stream, std::int64_t time_ns, std::span<const double> numbers);
   /// On /pliant/dropped: how many rows found no room until now.
-  void WriteDropped(McapWriter& to, std::int64_t time_ns, std::int64_t dropped);
+  void WriteDropped(MessageSink& to, std::int64_t time_ns, std::int64_t dropped);
 
  private:
   struct Topic {
     std::string name;
     RosSchema schema;
-    McapWriter::Words metadata;
+    MessageSink::Words metadata;
     std::uint16_t channel = 0;  // 0: not in the file yet
   };
   struct Series {  // of one value
@@ -66,14 +66,14 @@ class RosLog {
     std::optional<JointState> joints;
   };
 
-  Topic NewTopic(const std::string& name, RosSchema schema, McapWriter::Words metadata = {}) const;
+  Topic NewTopic(const std::string& name, RosSchema schema, MessageSink::Words metadata = {}) const;
   std::optional<JointState> JointsOf(const std::vector<RecordedValue>& values) const;
   Stream& At(int stream);
-  std::uint16_t ChannelOf(McapWriter& to, Topic& topic);
-  void Write(McapWriter& to, Topic& topic, std::int64_t time_ns, const Cdr& message);
-  void WriteJointState(McapWriter& to, const JointState& joints, std::int64_t time_ns,
+  std::uint16_t ChannelOf(MessageSink& to, Topic& topic);
+  void Write(MessageSink& to, Topic& topic, std::int64_t time_ns, const Cdr& message);
+  void WriteJointState(MessageSink& to, const JointState& joints, std::int64_t time_ns,
                        std::span<const double> numbers);
-  void WriteTransforms(McapWriter& to, std::int64_t time_ns, std::span<const double> position);
+  void WriteTransforms(MessageSink& to, std::int64_t time_ns, std::span<const double> position);
 
   const Options options_;
   mutable std::mutex mutex_;  // of what Open adds to

@@ -13,7 +13,7 @@ namespace {
 
 using Texts = std::map<std::string, std::string>;
 
-const std::string& WordOf(const Texts& words, const std::string& key, const std::string& file) {
+const std::string& TextOf(const Texts& words, const std::string& key, const std::string& file) {
   const auto found = words.find(key);
   if (found == words.end())
     throw Error(file + ": its record 'pliant' says nothing under '" + key +
@@ -37,11 +37,11 @@ RunHeading HeadingOf(const std::filesystem::path& file, const Recording::Metadat
   if (pliant == metadata.end())
     throw Error(file.string() +
                 ": it has no record 'pliant'; expected a log that `pliant run` wrote");
-  run.name = WordOf(pliant->second, "run", file.string());
-  run.title = WordOf(pliant->second, "title", file.string());
-  run.version = WordOf(pliant->second, "version", file.string());
-  run.built_with = WordOf(pliant->second, "built_with", file.string());
-  run.experiment = WordOf(pliant->second, "experiment", file.string());
+  run.name = TextOf(pliant->second, "run", file.string());
+  run.title = TextOf(pliant->second, "title", file.string());
+  run.version = TextOf(pliant->second, "version", file.string());
+  run.built_with = TextOf(pliant->second, "built_with", file.string());
+  run.experiment = TextOf(pliant->second, "experiment", file.string());
   run.repetition = NumberOf<int>(pliant->second, "repetition");
   const auto ended = metadata.find("pliant.run");
   const Texts none, &end = ended == metadata.end() ? none : ended->second;
@@ -51,6 +51,8 @@ RunHeading HeadingOf(const std::filesystem::path& file, const Recording::Metadat
                 .integrator_steps = NumberOf<std::int64_t>(end, "integrator_steps"),
                 .derivative_calls = NumberOf<std::int64_t>(end, "derivative_calls")};
   run.whole = NumberOf<int>(end, "whole") == 1;
+  if (const auto text = end.find("ended"); text != end.end()) run.ended = text->second;
+  if (const auto text = end.find("integrator"); text != end.end()) run.integrator = text->second;
   return run;
 }
 
@@ -67,7 +69,7 @@ RunData RunData::Read(const std::filesystem::path& file) {
   Recording log = Recording::Read(file);
   RunData run{HeadingOf(file, log.metadata())};
   const Texts& pliant = log.metadata().at("pliant");
-  ParameterFile::ReadText(WordOf(pliant, "scenario", file.string()), file.string() + ": scenario")
+  ParameterFile::ReadText(TextOf(pliant, "scenario", file.string()), file.string() + ": scenario")
       .Fill(run.scenario);
   run.arm = StationOf(run.scenario);
   run.control = ControllerOf(run.scenario, run.arm);

@@ -22,7 +22,9 @@ struct RunHeading {
   std::string version;     ///< of pliant
   std::string built_with;  ///< compiler and libraries that results may depend on
   Timing timing = {};
-  bool whole = true;  ///< it reached its end
+  bool whole = true;       ///< it reached its end, or a block of it ended it
+  std::string ended;       ///< by which block, when and why; empty: none did
+  std::string integrator;  ///< what it did, in words
 
   /// Throws Error with the file if it is no log of a run.
   static RunHeading Read(const std::filesystem::path& file);

@@ -54,11 +54,16 @@ class Execution {
   }
 
   std::vector<std::filesystem::path> Run() {
-    internal::MakeDirectory(options_.out / "logs");
-    if (options_.force) RemoveOldLogs();
+    Require(!options_.view || jobs_.size() == 1,
+            "a page shows one run; name it with --run, and --repeat 1", jobs_.size());
+    if (Logs()) {
+      internal::MakeDirectory(options_.out / "logs");
+      if (options_.force) RemoveOldLogs();
+    }
     // Refused before anything is run, not after an hour.
     for (const Job& job : jobs_)
-      if (std::error_code unknown; !options_.force && std::filesystem::exists(job.log, unknown))
+      if (std::error_code unknown;
+          Logs() && !options_.force && std::filesystem::exists(job.log, unknown))
         throw Error(job.log.string() + " exists; give --force to write over it, or another --out");
     {
       std::vector<std::jthread> threads;
@@ -73,7 +78,7 @@ class Execution {
     }
     if (failure_) throw FailedRun(*failure_);
     std::vector<std::filesystem::path> logs;
-    for (std::size_t i = 0; i < std::min<std::size_t>(next_, jobs_.size()); ++i)
+    for (std::size_t i = 0; Logs() && i < std::min<std::size_t>(next_, jobs_.size()); ++i)
       logs.push_back(jobs_[i].log);
     return logs;
   }
@@ -99,6 +104,7 @@ class Execution {
     }
   }
 
+  bool Logs() const { return !options_.view || !options_.out.empty(); }
   bool Stopped() const { return failed_ || (options_.stop && *options_.stop); }
 
   void Work() {
@@ -115,55 +121,70 @@ class Execution {
     }
   }
 
+  std::shared_ptr<McapLog> LogOf(const Job& job, const Scenario& scenario) const {
+    if (!Logs()) return {};
+    return std::make_shared<McapLog>(RunLogOf({.file = job.log,
+                                               .experiment = file_.text(),
+                                               .run = *job.run,
+                                               .scenario = scenario,
+                                               .repetition = job.repetition,
+                                               .force = options_.force}));
+  }
+
   void Execute(const Job& job) {
-    const auto log = std::make_shared<McapLog>(RunLogOf({.file = job.log,
-                                                         .experiment = file_.text(),
-                                                         .run = *job.run,
-                                                         .scenario = job.scenario,
-                                                         .repetition = job.repetition,
-                                                         .force = options_.force}));
-    ScenarioDiagram scene(job.scenario, log);
+    LiveView* const view = options_.view;
+    const Scenario scenario = view ? view->Pushable(job.scenario) : job.scenario;
+    const std::shared_ptr<McapLog> log = LogOf(job, scenario);
+    const auto panel = view ? std::make_shared<OperatorPanel>() : nullptr;
+    ScenarioDiagram scene(scenario,
+                          view ? view->Sink(scenario, log) : std::shared_ptr<RecordSink>(log),
+                          {.panel = panel});
     const Diagram diagram = scene.builder.Build();
-    Simulator sim(diagram, {.integrator = job.scenario.integrator});
+    Simulator sim(diagram, {.integrator = scenario.integrator});
     const auto begin = std::chrono::steady_clock::now();
     const auto wall = [&] {
       return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     };
-    const double duration = job.scenario.duration_s;
+    const double duration = scenario.duration_s;
     const double period = seconds(scene.control_period);
     // The tick at the end, if there is one, is the last.
-    const double ticks = std::ceil(duration / period - 1e-9);
-    const bool ends_with_a_tick = std::abs(ticks * period - duration) < 1e-9;
+    const auto is_at_a_tick = [&](double t) {
+      return std::abs(std::ceil(t / period - 1e-9) * period - t) < 1e-9;
+    };
     const auto end = [&](bool whole) {
-      const Integrator::Statistics statistics = sim.statistics();
-      log->AddMetadata(
-          "pliant.run",
-          {{"whole", whole ? "1" : "0"},
-           {"simulated_s", Exact(sim.time())},
-           {"wall_s", Exact(wall())},
-           {"ticks", std::to_string(std::llround(std::ceil(sim.time() / period - 1e-9)) +
-                                    (whole && ends_with_a_tick))},
-           {"integrator_steps", std::to_string(statistics.steps)},
-           {"derivative_calls", std::to_string(statistics.derivative_calls)}});
+      if (!log) return;
+      const Simulator::Statistics statistics = sim.statistics();
+      std::map<std::string, std::string> told{
+          {"whole", whole ? "1" : "0"},
+          {"simulated_s", Exact(sim.time())},
+          {"wall_s", Exact(wall())},
+          {"ticks", std::to_string(view ? ticks_shown_
+                                        : std::llround(std::ceil(sim.time() / period - 1e-9)) +
+                                              (whole && is_at_a_tick(sim.time())))},
+          {"integrator_steps", std::to_string(statistics.steps)},
+          {"derivative_calls", std::to_string(statistics.derivative_calls)},
+          {"integrator", statistics.text()}};
+      if (const std::optional<Simulator::Ending> ending = sim.ended())
+        told["ended"] = ending->text();
+      log->AddMetadata("pliant.run", told);
       log->Close();
     };
-    const std::string phase =
-        job.run->title + (file_.experiment.repeat > 1 ? ", " + std::to_string(job.repetition) : "");
     bool whole = false;
     try {
-      const auto parts = static_cast<std::int64_t>(std::ceil(10 * duration));
-      std::int64_t k = 0;
-      // A log that cannot be written ends the run; Close says why.
-      while (k < parts && !Stopped() && log->statistics().error.empty()) {
-        ++k;
-        sim.AdvanceTo(duration * static_cast<double>(k) / static_cast<double>(parts));
-        if (!options_.progress) continue;
-        const std::lock_guard lock(mutex_);
-        options_.progress(phase, sim.time(), duration, wall());
+      whole = view ? Show(job, sim,
+                          {.run = *job.run,
+                           .scenario = scenario,
+                           .scene = &scene,
+                           .diagram = &diagram,
+                           .panel = scene.safety ? panel : nullptr})
+                   : Advance(job, sim, *log, wall);
+      if (whole && is_at_a_tick(duration) && !sim.ended()) {
+        sim.AdvanceThroughTick();
+        ++ticks_shown_;
+        if (sim.ended()) reason_ = sim.ended()->text();
       }
-      whole = k == parts;
-      if (whole && ends_with_a_tick) sim.AdvanceThroughTick();
     } catch (const std::exception& reason) {
+      if (view) view->End(reason.what());
       try {
         end(false);
       } catch (const std::exception& also) {
@@ -171,7 +192,44 @@ class Execution {
       }
       throw;
     }
+    if (view) view->End(reason_);
     end(whole);
+  }
+
+  /// As fast as it goes. Whether it came to its end.
+  template <class Wall>
+  bool Advance(const Job& job, Simulator& sim, const McapLog& log, const Wall& wall) {
+    const std::string phase =
+        job.run->title + (file_.experiment.repeat > 1 ? ", " + std::to_string(job.repetition) : "");
+    const double duration = job.scenario.duration_s;
+    const auto parts = static_cast<std::int64_t>(std::ceil(10 * duration));
+    std::int64_t k = 0;
+    // A log that cannot be written ends the run; Close says why.
+    while (k < parts && !sim.ended() && !Stopped() && log.statistics().error.empty()) {
+      ++k;
+      sim.AdvanceTo(duration * static_cast<double>(k) / static_cast<double>(parts));
+      if (!options_.progress) continue;
+      const std::lock_guard lock(mutex_);
+      options_.progress(phase, sim.time(), duration, wall());
+    }
+    return k == parts || sim.ended();
+  }
+
+  /// At the pace of the wall clock, for those who look on. Whether it came to its end.
+  bool Show(const Job& job, Simulator& sim, const LiveView::Run& run) {
+    LiveView& view = *options_.view;
+    view.Begin(run);
+    RealTimeRunner runner(
+        sim, {.stop = &view.stop(),
+              .before_tick = [&, change = view.BeforeTick()](Simulator& s, const RunReport& now) {
+                if (Stopped()) view.RequestStop();
+                change(s, now);
+              }});
+    const RunReport& report = runner.Run(job.scenario.duration_s);
+    reason_ = report.reason;
+    ticks_shown_ = report.ticks;
+    if (options_.say) options_.say(report.text());
+    return report.end == RunEnd::TimeReached || report.end == RunEnd::Ended;
   }
 
   const ExperimentFile& file_;
@@ -181,6 +239,9 @@ class Execution {
   std::atomic<bool> failed_{false};
   std::mutex mutex_;
   std::optional<std::string> failure_;
+  // Of a run that is shown.
+  std::string reason_;
+  std::int64_t ticks_shown_ = 0;
 };
 
 Experiment ExperimentOf(const RunHeading& run) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pliant/analysis/experiment.h"
+#include "pliant/analysis/live_view.h"
 #include "pliant/analysis/progress.h"
 #include "pliant/analysis/report.h"
 #include "pliant/analysis/run_data.h"
@@ -25,6 +26,9 @@ struct RunOptions {
   bool force = false;         ///< write over logs that are there
   Progress progress = {};
   const std::atomic<bool>* stop = nullptr;  ///< true ends the runs; their logs are whole files
+  /// Shows the one run, which then keeps pace with the wall clock. Without `out` it leaves no log.
+  LiveView* view = nullptr;
+  std::function<void(const std::string&)> say = {};  ///< how a run that is shown kept pace
 };
 
 /// Simulates the runs of an experiment, each `repeat` times with the seeds of its scenario, that

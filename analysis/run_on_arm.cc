@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <chrono>
+#include <map>
 #include <optional>
 #include <sstream>
 #include <string_view>
@@ -114,6 +115,15 @@ auto Reached(const Step& step) {
   }
 }
 
+/// However a run ends, those who look on are told before what they look at is gone.
+struct EndOfView {
+  ~EndOfView() {
+    if (view) view->End(reason);
+  }
+  LiveView* view;
+  std::string reason = "it failed";
+};
+
 class ArmExecution {
  public:
   ArmExecution(const ExperimentFile& file, const ArmRunOptions& o) : file_{file}, o_{o} {
@@ -155,15 +165,30 @@ class ArmExecution {
                                          .force = o_.force});
     options.full = station.lock_step ? McapLog::Full::Wait : McapLog::Full::Drop;
     const auto log = std::make_shared<McapLog>(options);
-    ScenarioDiagram scene(scenario_, log, hardware);
+    LiveView* const view = o_.view;
+    ScenarioDiagram scene(
+        scenario_, view ? view->Sink(scenario_, log) : std::shared_ptr<RecordSink>(log), hardware);
     const Diagram diagram = scene.builder.Build();
-    Say(EstimateTickCost(diagram).text());
+    const TickCost cost = EstimateTickCost(diagram);
+    Say(cost.text());
+    std::map<std::string, std::string> costs;
+    for (const TickCost::Block& block : cost.blocks)
+      costs[block.path] = internal::YamlText(block.cost);
+    log->AddMetadata("pliant.costs", costs);
     Simulator sim(diagram);
     RealTimeRunner runner(sim, {.paced = !station.lock_step,
                                 .overrun = o_.overrun,
                                 .permissions = o_.permissions,
                                 .times = times,
-                                .stop = &o_.panel->stopped});
+                                .stop = &o_.panel->stopped,
+                                .before_tick = view ? view->BeforeTick() : nullptr});
+    EndOfView end_of_view{view};
+    if (view)
+      view->Begin({.run = file_.experiment.runs.front(),
+                   .scenario = scenario_,
+                   .scene = &scene,
+                   .diagram = &diagram,
+                   .panel = o_.panel});
     const auto settings = scenario_.safety.value_or(SafetySupervisor::Settings());
     const double end =
         scenario_.duration_s + settings.engage_s + settings.damped_s + settings.hold_s + kGrace_s;
@@ -183,6 +208,7 @@ class ArmExecution {
     result_.whole = !failure && result_.safety.state == SafetyState::Stopped &&
                     result_.safety.cause == SafetyCause::UserStop &&
                     sim.time() >= scenario_.duration_s && !o_.panel->stop;
+    end_of_view.reason = result_.text();
     log->AddMetadata("pliant.run", {{"whole", result_.whole ? "1" : "0"},
                                     {"simulated_s", internal::YamlText(sim.time())},
                                     {"wall_s", internal::YamlText(wall)},
@@ -238,7 +264,7 @@ class ArmExecution {
 }  // namespace
 
 std::string ArmRun::text() const {
-  std::string out = "ended: " + Words(safety.state)[static_cast<std::size_t>(safety.state)];
+  std::string out = "ended: " + WordOf(safety.state);
   const bool fault = safety.cause != SafetyCause::None && safety.cause != SafetyCause::UserStop;
   if (fault)
     out += ", because of " + SafetyText(safety.cause, safety.joint, safety.value, safety.limit);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pliant/analysis/experiment.h"
+#include "pliant/analysis/live_view.h"
 #include "pliant/controllers/operator_panel.h"
 #include "pliant/diagrams/fault_order.h"
 #include "pliant/plants/gen3_address.h"
@@ -23,6 +24,7 @@ struct ArmRunOptions {
   std::shared_ptr<OperatorPanel> panel = std::make_shared<OperatorPanel>();
   std::function<void(const std::string&)> say = {};  ///< lines for who stands at the arm
   std::vector<FaultOrder> faults = {};               ///< a drill: those of CommandFaults
+  LiveView* view = nullptr;                          ///< shows the run
   /// The way to the arm; empty: its protocol on the wire.
   std::function<std::unique_ptr<Gen3Link>(const Gen3Address&)> connect = {};
 };

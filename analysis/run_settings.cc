@@ -189,7 +189,7 @@ std::string PlantOf(const Scenario& scenario) {
   return std::visit(
       [](const auto& station) -> std::string {
         if constexpr (requires { station.engine; })
-          return Words(station.engine)[static_cast<std::size_t>(station.engine)];
+          return WordOf(station.engine);
         else
           return "the arm at " + station.address;
       },

@@ -112,7 +112,7 @@ std::string SignalNumber::unit(const RecordedSignal& recorded) const {
 }
 
 std::string SignalNumber::text(const RecordedSignal& recorded) const {
-  std::string word = Words(statistic)[static_cast<std::size_t>(statistic)], what;
+  std::string word = WordOf(statistic), what;
   std::ranges::replace(word, '_', ' ');
   for (const std::string& element : elements) what += (what.empty() ? "[" : ", ") + element;
   const bool settles = statistic == Statistic::SettlingTime;  // of a vector, not of its norm

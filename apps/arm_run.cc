@@ -72,7 +72,7 @@ class Console {
   }
   void Tell(SafetyState state) const {
     const SafetyCause cause = panel_->cause;
-    std::string line = Words(state)[static_cast<std::size_t>(state)];
+    std::string line = WordOf(state);
     if (cause != SafetyCause::None) {
       if (cause == SafetyCause::UserStop)
         line += panel_->stop ? ": asked to stop" : ": its time is over";
@@ -88,20 +88,6 @@ class Console {
   bool listens_ = isatty(STDIN_FILENO) != 0;  // to what is typed
   std::jthread stops_, thread_;
 };
-
-/// The run that is named, or the only one.
-void Choose(ExperimentFile& file, const std::string& name) {
-  if (name.empty()) return;
-  std::vector<RunOf>& runs = file.experiment.runs;
-  const auto found = std::ranges::find(runs, name, &RunOf::name);
-  if (found == runs.end()) {
-    std::vector<std::string> names;
-    for (const RunOf& run : runs) names.push_back(run.name);
-    throw Error("there is no run '" + name + "'" + DidYouMean(name, names));
-  }
-  file.scenarios = {file.scenarios[static_cast<std::size_t>(found - runs.begin())]};
-  runs = {*found};
-}
 
 /// What puts the arm in the place of the station of a file.
 Overrides StationAt(const std::string& address, const Scenario& scenario) {
@@ -126,7 +112,7 @@ void AddArmOptions(CLI::App& app, ArmTold& told) {
   app.add_option("--password", told.password,
                  "of that user; as an arm leaves the factory unless told")
       ->check(SaysSomething());
-  app.add_option("--run", told.run, "which of the file's runs the arm is to do");
+  app.add_option("--run", told.run, "which of the file's runs it is to be, of an arm or of a page");
   app.add_option("--priority", told.priority, "of SCHED_FIFO, for an arm")
       ->check(CLI::Range(1, 99));
   app.add_option("--cpu", told.cpu, "the processor the ticks stay on, for an arm")
@@ -150,19 +136,32 @@ ExperimentFile ReadForArm(const std::filesystem::path& file, const Overrides& se
   return ExperimentFile::Read(file, all);
 }
 
+void ChooseRun(ExperimentFile& file, const std::string& name) {
+  std::vector<RunOf>& runs = file.experiment.runs;
+  const auto found = std::ranges::find(runs, name, &RunOf::name);
+  if (found == runs.end()) {
+    std::vector<std::string> names;
+    for (const RunOf& run : runs) names.push_back(run.name);
+    throw Error("there is no run '" + name + "'" + DidYouMean(name, names));
+  }
+  file.scenarios = {file.scenarios[static_cast<std::size_t>(found - runs.begin())]};
+  runs = {*found};
+}
+
 bool IsAboutAnArm(const ExperimentFile& file) {
   return std::ranges::any_of(file.scenarios, IsHardware);
 }
 
 int RunOnArmAndTell(ExperimentFile file, const ArmTold& told, const std::filesystem::path& out,
-                    bool force) {
-  Choose(file, told.run);
+                    bool force, LiveView* view) {
+  if (!told.run.empty()) ChooseRun(file, told.run);
   const StopSignals signals;
   ArmRunOptions options{.out = out,
                         .force = force,
                         .user = told.user,
                         .password = told.password,
-                        .overrun = kOverruns.at(told.overrun)};
+                        .overrun = kOverruns.at(told.overrun),
+                        .view = view};
   options.permissions.lock_memory = told.lock_memory;
   if (told.priority > 0) options.permissions.priority = told.priority;
   if (told.cpu >= 0) options.permissions.cpu = told.cpu;

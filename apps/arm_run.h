@@ -5,6 +5,7 @@
 #include <string>
 
 #include "pliant/analysis/experiment.h"
+#include "pliant/analysis/live_view.h"
 
 namespace CLI {
 class App;
@@ -30,12 +31,15 @@ void AddArmOptions(CLI::App& app, ArmTold& told);
 ExperimentFile ReadForArm(const std::filesystem::path& file, const Overrides& set,
                           const ArmTold& told);
 
+/// Leaves the run of that name only. Throws Error with the nearest name if there is none.
+void ChooseRun(ExperimentFile& file, const std::string& name);
+
 /// Whether the file is about an arm that is there.
 bool IsAboutAnArm(const ExperimentFile& file);
 
 /// Runs it; the exit code: 0 it came to its end or was stopped, 3 a fault ended it. Throws
 /// CannotGoOn if there is no such arm.
 int RunOnArmAndTell(ExperimentFile file, const ArmTold& told, const std::filesystem::path& out,
-                    bool force);
+                    bool force, LiveView* view);
 
 }  // namespace pliant

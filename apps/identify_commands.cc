@@ -93,7 +93,7 @@ std::vector<DriveFigures> DrivesOf(const Told& told, const std::vector<std::stri
 }
 
 template <class E>
-E WordOf(const std::string& word) {
+E ValueOf(const std::string& word) {
   const std::vector<std::string>& words = Words(E{});
   return static_cast<E>(std::ranges::find(words, word) - words.begin());
 }
@@ -101,11 +101,11 @@ E WordOf(const std::string& word) {
 /// A joint that does not slide enough has a fit of which nothing is identified.
 void Fit(const Told& told, FrictionResult& result) {
   const FrictionSamples& samples = result.log.samples;
-  FrictionFitOptions o{.loss = WordOf<FrictionLoss>(told.loss),
+  FrictionFitOptions o{.loss = ValueOf<FrictionLoss>(told.loss),
                        .separate = told.directions == "separate",
                        .least_velocity = told.least_velocity};
   o.offset = !told.no_offset && told.directions == "both" && CountSliding(samples, o).both();
-  o.model = told.model == "auto" ? FrictionModel::Stribeck : WordOf<FrictionModel>(told.model);
+  o.model = told.model == "auto" ? FrictionModel::Stribeck : ValueOf<FrictionModel>(told.model);
   try {
     if (told.model == "auto") {
       result.candidates = CompareFriction(samples, o);
@@ -171,9 +171,7 @@ class ReadLine {
   int shown_ = -1;
 };
 
-std::string ModelOf(const FrictionFit& fit) {
-  return Words(fit.options.model)[static_cast<std::size_t>(fit.options.model)];
-}
+std::string ModelOf(const FrictionFit& fit) { return WordOf(fit.options.model); }
 
 /// Why a file has nothing of a joint; one reason speaks for itself.
 std::string WhyNothing(const FrictionFit& fit) {

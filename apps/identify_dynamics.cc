@@ -30,13 +30,10 @@ struct Told {
   bool force = false;
 };
 
-fs::path UrdfOf(const Told& told) {
+fs::path ChosenUrdf(const Told& told) {
   Require(told.robot.empty() != told.urdf.empty(),
           "expected the robot of the log: either --robot or --urdf");
-  if (!told.urdf.empty()) return told.urdf;
-  Scenario scenario;
-  scenario.robot = told.robot;
-  return UrdfOf(scenario);
+  return told.urdf.empty() ? UrdfOf(told.robot) : told.urdf;
 }
 
 /// A log with names of joints has those of the robot; where it has none they are numbered.
@@ -72,7 +69,7 @@ int Identify(Told told) {
   }
   if (!told.out.empty()) RequireIdentifiedFile(told.out, !told.options.payload.empty(), told.force);
   RequireNewReport(told.report, told.force);
-  const fs::path urdf = UrdfOf(told);
+  const fs::path urdf = ChosenUrdf(told);
   const RobotModel model = RobotModel::FromUrdf(urdf);
   const Samples samples = Read(told, told.source.files, model);
   std::optional<Samples> validation;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pliant/apps/commands.h"
+#include "pliant/apps/graph_command.h"
 #include "pliant/systems/error.h"
 #include "pliant/systems/nearest_name.h"
 
@@ -60,6 +61,7 @@ int main(int argc, char** argv) {
 
   std::vector<pliant::Command> commands;
   pliant::AddRunCommands(app, commands);
+  pliant::AddGraph(app, commands);
   pliant::AddLogCommands(app, commands);
   pliant::AddIdentifyCommands(app, commands);
   pliant::AddIdentifyDynamics(app, commands);

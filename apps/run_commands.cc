@@ -14,7 +14,9 @@
 #include "pliant/apps/commands.h"
 #include "pliant/apps/progress_line.h"
 #include "pliant/apps/says_something.h"
+#include "pliant/apps/set_option.h"
 #include "pliant/apps/stop_signals.h"
+#include "pliant/apps/view_options.h"
 #include "pliant/systems/nearest_name.h"
 
 namespace pliant {
@@ -32,18 +34,13 @@ struct Told {
   fs::path out;
   std::optional<int> repeat;  // none: what the file says
   int jobs = 1;
-  bool force = false, strict = false, check = false;
+  bool force = false, strict = false, check = false, verbose = false;
   ArmTold arm;
+  ViewTold view;
 };
 
-Overrides OverridesOf(const Told& told) {
-  Overrides overrides;
-  for (const std::string& text : told.set) {
-    const std::size_t sign = text.find('=');
-    Require(sign != std::string::npos && sign > 0,
-            "--set wants path=value, such as station.ideal=true", text);
-    overrides.emplace_back(text.substr(0, sign), text.substr(sign + 1));
-  }
+Overrides AllOverrides(const Told& told) {
+  Overrides overrides = OverridesOf(told.set);
   if (told.repeat) overrides.emplace_back("repeat", std::to_string(*told.repeat));
   return overrides;
 }
@@ -54,6 +51,12 @@ void RefuseToOverwrite(const fs::path& out, bool force) {
     if (std::error_code unknown; !force && fs::exists(out / name, unknown))
       throw Error((out / name).string() +
                   " exists; give --force to write over it, or another --out");
+}
+
+/// A report on other logs than those beside it says what is not so.
+void RemoveReport(const fs::path& out) {
+  for (const char* name : {"report.html", "verdict.json"})
+    if (std::error_code none; true) fs::remove(out / name, none);
 }
 
 /// Before a long run, not after it.
@@ -90,16 +93,33 @@ int ReportOnLogs(const std::vector<fs::path>& logs, const Told& told) {
   return WriteAndTell(of.report, told.out, told.strict, of.runs());
 }
 
+/// Which runs a block has ended, and what the integrators did.
+void TellOfRuns(const std::vector<fs::path>& logs, bool verbose) {
+  for (const fs::path& log : logs) {
+    const RunHeading run = RunHeading::Read(log);
+    const std::string name = log.stem().string();
+    if (!run.ended.empty()) std::printf("%s: %s\n", name.c_str(), Printable(run.ended).c_str());
+    if (verbose) std::printf("%s: %s\n", name.c_str(), Printable(run.integrator).c_str());
+  }
+}
+
+void Say(const std::string& line) { std::fprintf(stderr, "%s\n", line.c_str()); }
+
 std::vector<fs::path> Run(const ExperimentFile& file, const Told& told) {
   const StopSignals signals;
+  const std::unique_ptr<LiveView> view = ViewOf(told.view, false);
   ProgressLine line;
   try {
-    std::vector<fs::path> logs = RunExperiment(file, {.out = told.out,
-                                                      .jobs = told.jobs,
-                                                      .force = told.force,
-                                                      .progress = std::ref(line),
-                                                      .stop = &StopSignals::requested});
+    std::vector<fs::path> logs =
+        RunExperiment(file, {.out = told.out,
+                             .jobs = told.jobs,
+                             .force = told.force,
+                             .progress = view ? Progress() : std::ref(line),
+                             .stop = &StopSignals::requested,
+                             .view = view.get(),
+                             .say = Say});
     line.End();
+    TellOfRuns(logs, told.verbose);
     return logs;
   } catch (const FailedRun& e) {
     line.End();
@@ -107,20 +127,34 @@ std::vector<fs::path> Run(const ExperimentFile& file, const Told& told) {
   }
 }
 
+/// One run, and what its page has shown is in its log, if there is one.
+int ShowFile(ExperimentFile& file, const Told& told) {
+  if (!told.arm.run.empty()) ChooseRun(file, told.arm.run);
+  for (const fs::path& log : Run(file, told)) std::printf("log: %s\n", log.c_str());
+  return StopSignals::requested ? kStopped : 0;
+}
+
 int RunFile(const fs::path& path, const Told& told) {
-  const ExperimentFile file = ReadForArm(path, OverridesOf(told), told.arm);
+  ExperimentFile file = ReadForArm(path, AllOverrides(told), told.arm);
   if (told.check) {
     const std::size_t runs = file.scenarios.size();
     std::printf("%s: %zu %s, nothing is wrong\n", path.c_str(), runs, runs == 1 ? "run" : "runs");
     return 0;
   }
-  Require(!told.out.empty(), "--out is required: the folder of logs and report");
-  if (IsAboutAnArm(file)) return RunOnArmAndTell(file, told.arm, told.out, told.force);
+  Require(!told.out.empty() || (told.view.view && !IsAboutAnArm(file)),
+          "--out is required: the folder of logs and report");
+  if (IsAboutAnArm(file)) {
+    const std::unique_ptr<LiveView> view = ViewOf(told.view, true);
+    return RunOnArmAndTell(file, told.arm, told.out, told.force, view.get());
+  }
+  if (told.view.view) {
+    if (told.force) RemoveReport(told.out);
+    return ShowFile(file, told);
+  }
+  Require(told.arm.run.empty(), "--run is for an arm, or for --view", told.arm.run);
   RefuseToOverwrite(told.out, told.force);
   if (!file.experiment.figures.empty()) FindGnuplot();
-  if (told.force)  // a report on other logs than those beside it says what is not so
-    for (const char* name : {"report.html", "verdict.json"})
-      if (std::error_code none; true) fs::remove(told.out / name, none);
+  if (told.force) RemoveReport(told.out);
   const std::vector<fs::path> logs = Run(file, told);
   if (!StopSignals::requested) return ReportOnLogs(logs, told);
   std::fprintf(stderr, "stopped; what was logged:\n");
@@ -162,6 +196,7 @@ void AddRunOptions(CLI::App& app, Told& told) {
   app.add_flag("--force", told.force,
                "write over logs and a report that are there; logs of other repetitions go");
   app.add_flag("--strict", told.strict, "exit with 1 if a claim fails");
+  app.add_flag("--verbose", told.verbose, "says of each run what the integrator did");
 }
 
 }  // namespace
@@ -174,6 +209,7 @@ void AddRunCommands(CLI::App& app, std::vector<Command>& commands) {
   run->add_option("file", told->file, "scenario, YAML")->required()->check(SaysSomething());
   AddRunOptions(*run, *told);
   AddArmOptions(*run, told->arm);
+  AddViewOptions(*run, told->view);
   run->add_flag("--check", told->check, "only says whether the file can be run; needs no --out");
   commands.push_back({run, [told] { return RunFile(told->file, *told); }});
 

@@ -70,6 +70,8 @@ function(pliant_library name)
                              $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/include> $<INSTALL_INTERFACE:include>)
   install(TARGETS pliant_${name} EXPORT pliant)
   install(FILES ${ARG_HEADERS} DESTINATION include/pliant/${name})
+  list(TRANSFORM ARG_HEADERS PREPEND ${PROJECT_BINARY_DIR}/include/pliant/${name}/)
+  set_property(GLOBAL APPEND PROPERTY pliant_public_headers ${ARG_HEADERS})
 endfunction()
 
 # pliant_test(FOLDER/NAME_test.cc [LIBRARIES …] [LABELS …]): one test program, one CTest entry FOLDER/NAME.

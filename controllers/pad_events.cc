@@ -71,10 +71,8 @@ std::vector<PadEvent> EventsBetween(const PadState& last, const PadState& next) 
 }
 
 std::string LineOf(const PadEvent& event) {
-  std::string line = "{at_s: " + Text(event.at_s) +
-                     ", what: " + Words(event.what)[static_cast<std::size_t>(event.what)];
-  if (event.button)
-    line += ", button: " + Words(*event.button)[static_cast<std::size_t>(*event.button)];
+  std::string line = "{at_s: " + Text(event.at_s) + ", what: " + WordOf(event.what);
+  if (event.button) line += ", button: " + WordOf(*event.button);
   return line + "}";
 }
 

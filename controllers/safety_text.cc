@@ -50,7 +50,7 @@ constexpr std::array<Meaning, 17> kMeanings{{
 }};
 
 const Meaning* MeaningOf(SafetyCause cause) {
-  const std::string& word = Words(cause)[static_cast<std::size_t>(cause)];
+  const std::string& word = WordOf(cause);
   const auto* const found = std::ranges::find(kMeanings, std::string_view(word), &Meaning::cause);
   return found == kMeanings.end() ? nullptr : found;
 }
@@ -65,7 +65,7 @@ std::string Shown(double x) {
 }  // namespace
 
 std::string SafetyText(SafetyCause cause, int joint, double value, double limit) {
-  std::string text = Words(cause)[static_cast<std::size_t>(cause)];
+  std::string text = WordOf(cause);
   if (joint >= 0) text += " at joint " + Text(joint + 1);
   const Meaning* const meaning = MeaningOf(cause);
   if (!meaning || meaning->bound.empty()) return text;

@@ -391,6 +391,7 @@ ComplianceControl::ComplianceControl(const Options& o)
     modes.period = o.period;
     auto& supervisor = Add<ComplianceSupervisor>("supervisor", modes);
     const Output<ArmControl>* wanted = nullptr;
+    const ArmControl first = o.modes->control.value_or(ArmControl::ProposedTorque);
     const auto follow_wishes = [&](const auto& person) {
       Connect(person.mode, supervisor.mode);
       Connect(person.dynamic, supervisor.dynamic);
@@ -398,13 +399,17 @@ ComplianceControl::ComplianceControl(const Options& o)
     };
     if (o.modes->pad) {
       auto& pad = Add<PadPlayer>("pad", {.recording = *o.modes->pad, .period = o.period});
-      auto& person =
-          Add<PadModes>("wanted", {.mode = o.modes->mode,
-                                   .dynamic = o.modes->dynamic,
-                                   .control = o.modes->control.value_or(ArmControl::ProposedTorque),
-                                   .period = o.period});
+      auto& person = Add<PadModes>("wanted", {.mode = o.modes->mode,
+                                              .dynamic = o.modes->dynamic,
+                                              .control = first,
+                                              .period = o.period});
       Connect(pad.state, person.pad);
       follow_wishes(person);
+    } else if (o.modes->changes.empty()) {
+      Connect(wanted_mode.emplace(this, "wanted_mode", Nothing(), o.modes->mode), supervisor.mode);
+      Connect(wanted_dynamic.emplace(this, "wanted_dynamic", Nothing(), o.modes->dynamic),
+              supervisor.dynamic);
+      if (switches) wanted_control.emplace(this, "wanted_control", Nothing(), first);
     } else {
       follow_wishes(Add<ComplianceSchedule>("schedule", {.modes = *o.modes, .period = o.period}));
     }
@@ -427,7 +432,10 @@ ComplianceControl::ComplianceControl(const Options& o)
                                                          .settings = o.modes->switching,
                                                          .continuous = ContinuousJointsOf(o.model),
                                                          .period = o.period});
-      Connect(*wanted, control.wanted);
+      if (wanted)
+        Connect(*wanted, control.wanted);
+      else
+        Connect(*wanted_control, control.wanted);
       Connect(moved->open, control.reference);
       Connect(measured_position, control.measured_position);
       Connect(measured_velocity, control.measured_velocity);

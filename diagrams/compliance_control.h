@@ -218,6 +218,11 @@ class ComplianceControl final : public Composite {
   InputList<ContactForce> contacts;      ///< of the environment
   /// Of the camera, if `contacts` are seen.
   std::optional<Input<DepthImage>> image;
+  /// What is wanted of `modes` with neither changes nor a game controller; what the modes are at
+  /// the start if not connected. The last one with `modes.control` only.
+  std::optional<Input<ComplianceMode>> wanted_mode;
+  std::optional<Input<bool>> wanted_dynamic;
+  std::optional<Input<ArmControl>> wanted_control;
   Output<JointTorque> torque;  ///< τ_d
   Output<MotorCurrent> current;
   Output<JointTorque> torque_error;        ///< τ_d − B q̈_d − τ, behind the gears

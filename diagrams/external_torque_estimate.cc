@@ -25,7 +25,7 @@ ExternalTorqueEstimate::ExternalTorqueEstimate(const Options& o)
   const bool needs_wrist =
       o.estimate == Fusion || o.estimate == SuperTwistingFusion || o.estimate == Sensor;
   Require(!needs_wrist || o.wrist,
-          "estimate " + Words(o.estimate)[static_cast<std::size_t>(o.estimate)] +
+          "estimate " + WordOf(o.estimate) +
               " needs a wrist sensor; expected a robot that has one, such as "
               "gen3_bota, or the estimate observer");
 

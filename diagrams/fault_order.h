@@ -6,8 +6,8 @@
 
 namespace pliant {
 
-/// A fault that an emulated device is to show, written KIND@START+DURATION[:JOINT]: for example
-/// "lost@1+0.5", or "torque_sensor_dead@1+2:4" for the fourth joint. Seconds from the start of the
+/// A fault that an emulated device is to show, written `KIND@START+DURATION[:JOINT]`: for example
+/// `lost@1+0.5`, or `torque_sensor_dead@1+2:4` for the fourth joint. Seconds from the start of the
 /// device.
 struct FaultOrder {
   /// What a device can be told to show.

@@ -7,12 +7,13 @@
 #include <optional>
 #include <type_traits>
 
-#include "pliant/controllers/pose_reference.h"
 #include "pliant/diagrams/command_faults.h"
+#include "pliant/diagrams/scenario_environment.h"
+#include "pliant/plants/collision_geometry.h"
 #include "pliant/plants/model_dynamics.h"
+#include "pliant/plants/parameter_file.h"
 #include "pliant/plants/shared_file.h"
 #include "pliant/systems/nearest_name.h"
-#include "pliant/systems/pulse.h"
 #include "pliant/systems/random.h"
 #include "pliant/systems/recorder.h"
 
@@ -27,7 +28,7 @@ enum Use : std::uint64_t { kScatter = 400 };
 /// Assumed where an arm has no friction: a pace for ramps and steps [N·m], [N·m·s/rad].
 constexpr double kLeastFriction = 0.1;
 
-/// An arm that comes with pliant.
+/// What is known of an arm by its name, or of any other by its model.
 struct KnownArm {
   const char* name;
   const char* urdf;
@@ -36,7 +37,7 @@ struct KnownArm {
   SimulatedArm::Options (*station)(const RobotModel&, const StationOptions&);
 };
 
-const KnownArm& ArmOf(const Scenario& scenario) {
+const std::array<KnownArm, 3>& KnownArms() {
   constexpr double kPi = std::numbers::pi;
   static const JointPosition gen3{0, 0.2618, kPi, -2.2689, 0, 0.9599, kPi / 2};
   static const JointPosition lwr{0, 2 * kPi / 9, 0, -kPi / 2, 0, 5 * kPi / 18, 0};
@@ -44,30 +45,79 @@ const KnownArm& ArmOf(const Scenario& scenario) {
       {{"gen3", "gen3/gen3_7dof.urdf", "gen3/collisions.yaml", gen3, &SimulatedGen3},
        {"gen3_bota", "gen3/gen3_7dof_bota.urdf", "gen3/collisions.yaml", gen3, &SimulatedGen3},
        {"lwr", "lwr/lwr4p.urdf", "lwr/collisions.yaml", lwr, &SimulatedLwr}}};
+  return all;
+}
+
+const KnownArm& ArmOf(const std::string& robot) {
   std::vector<std::string> names;
-  for (const KnownArm& arm : all) {
-    if (arm.name == scenario.robot) return arm;
+  for (const KnownArm& arm : KnownArms()) {
+    if (arm.name == robot) return arm;
     names.emplace_back(arm.name);
   }
-  throw Error("there is no robot '" + scenario.robot + "'" + DidYouMean(scenario.robot, names) +
-              "\n  known: gen3, gen3_bota, lwr");
+  throw Error("there is no robot '" + robot + "'" + DidYouMean(robot, names) +
+              "\n  known: gen3, gen3_bota, lwr, or a file that ends in .urdf");
+}
+
+/// What `robot` is in the log of another arm.
+bool IsUrdfText(const std::string& robot) { return robot.find('<') != std::string::npos; }
+
+/// For messages.
+std::string NameOf(const Scenario& scenario) {
+  return IsOtherRobot(scenario.robot) ? RobotOf(scenario).name() : scenario.robot;
+}
+
+/// All joints at zero, or as near as their limits allow.
+JointPosition HomeOf(const Scenario& scenario, const RobotModel& model) {
+  if (!IsOtherRobot(scenario.robot)) return ArmOf(scenario.robot).home;
+  return JointPosition(JointPosition::Zero(model.joints())
+                           .cwiseMax(model.lower_limit())
+                           .cwiseMin(model.upper_limit()));
+}
+
+SimulatedArm::Options Simulated(const Scenario& scenario, const RobotModel& model,
+                                const StationOptions& options) {
+  if (IsOtherRobot(scenario.robot)) return SimulatedOther(model, options);
+  Require(!options.actuators,
+          "station.actuators are of an arm that does not come with pliant, and "
+          "robot '" +
+              scenario.robot + "' has its own; leave them out");
+  return ArmOf(scenario.robot).station(model, options);
+}
+
+/// Of another arm: all links that no joint connects and that are apart at home.
+CollisionPairs PairsOf(const Scenario& scenario, const RobotModel& model) {
+  if (!IsOtherRobot(scenario.robot))
+    return CollisionPairs::Read(ModelFile(ArmOf(scenario.robot).collisions), model);
+  CollisionPairs pairs;
+  const CollisionGeometry all(model, pairs, {});
+  RobotDynamics home(model);
+  ComputeDynamics(model, HomeOf(scenario, model), JointVelocity::Zero(model.joints()), home);
+  const PairDistances distances = all.Distances(home);
+  const auto link = [&](int part) {
+    return std::vector<std::string>{model.link(all.part(part).link).name};
+  };
+  for (int i = 0; i < all.size(); ++i) {
+    const CollisionGeometry::Pair& pair = all.pairs()[static_cast<std::size_t>(i)];
+    if (distances(i) <= 0) pairs.ignore.push_back({.links = link(pair.a), .against = link(pair.b)});
+  }
+  return pairs;
 }
 
 /// What a scenario says of a simulation, an arm that is there knows better.
 void RequireRunnable(const Scenario& scenario) {
   const std::string on = "station !Gen3 is an arm that is there: ";
-  Require(scenario.robot.starts_with("gen3"),
-          on + "expected robot gen3 or gen3_bota, got '" + scenario.robot + "'");
+  Require(scenario.robot == "gen3" || scenario.robot == "gen3_bota",
+          on + "expected robot gen3 or gen3_bota, got '" + NameOf(scenario) + "'");
   Require(scenario.environment.empty(),
           on + "it has its own environment; leave environment out, or --set environment=[]");
   Require(!scenario.payload, on + "it has its own payload; leave payload out");
   Require(scenario.position_scatter == 0, on + "it starts where it is; leave position_scatter out");
+  Require(scenario.stop_when.empty(),
+          on + "its supervisor brings it to rest, by the limits in safety; leave stop_when out");
   const auto* compliance = std::get_if<ComplianceControl::Options>(&scenario.controller);
   Require(!compliance || compliance->estimate != TorqueEstimate::True,
           on + "nobody knows the true torques; controller.estimate must be another than true");
 }
-
-RobotModel ModelOf(const Scenario& scenario) { return RobotModel::FromUrdf(UrdfOf(scenario)); }
 
 /// Of the controller: that of the arm's interface.
 Duration PeriodOf(const SimulatedArm::Options& arm) {
@@ -101,18 +151,17 @@ void Complete(ComplianceControl::Options& control, const Scenario& scenario,
               const SimulatedArm::Options& arm) {
   Require(
       IsIdeal(scenario) || !arm.firmware.compensated || !(control.modes && control.modes->control),
-      "modes.control switches between currents, and robot '" + scenario.robot +
+      "modes.control switches between currents, and robot '" + NameOf(scenario) +
           "' takes torques; leave it out, or give a robot such as gen3");
   if (control.collisions && control.collisions->pairs == CollisionPairs{})
-    control.collisions->pairs =
-        CollisionPairs::Read(ModelFile(ArmOf(scenario).collisions), control.model);
-  if (arm.wrist) control.wrist = WristToolOf(ModelOf(scenario), *arm.wrist);
+    control.collisions->pairs = PairsOf(scenario, control.model);
+  if (arm.wrist) control.wrist = WristToolOf(RobotOf(scenario), *arm.wrist);
 }
 
 void Complete(FrictionExperiment::Options& control, const Scenario& scenario,
               const SimulatedArm::Options& arm) {
   Require(!arm.firmware.compensated, "!FrictionExperiment commands currents, and robot '" +
-                                         scenario.robot +
+                                         NameOf(scenario) +
                                          "' takes torques: expected a robot such as gen3");
   const ArmActuators assumed = AssumedActuators(scenario, arm);
   const auto friction = [&](double FrictionParameters::*figure) {
@@ -216,10 +265,6 @@ std::vector<const internal::Value*> RecordedOf(const ContactControl& control,
   return values;
 }
 
-Duration Seconds(double s) {
-  return Duration::Nanoseconds(static_cast<std::int64_t>(std::round(1e9 * s)));
-}
-
 /// Where the tool is, whatever the controller thinks.
 class ToolMotion final : public Block {
  public:
@@ -251,104 +296,25 @@ class WithoutWeight final : public Block {
   Output<JointTorque> command;
 };
 
-/// Where a hand that follows a pose wants its point, and how fast.
-class HandCourse final : public Block {
- public:
-  HandCourse() {
-    Compute(path).From(pose).As([](const Pose& X) { return Position(X.position); });
-    Compute(velocity).From(twist).As([](const Twist& V) { return LinearVelocity(V.tail<3>()); });
-  }
-  Input<Pose> pose{this, "pose"};
-  Input<Twist> twist{this, "twist"};
-  Output<Position> path{this, "path"};
-  Output<LinearVelocity> velocity{this, "velocity"};
-};
-
-/// The way of a hand since it took hold.
-PoseWaypoints::Options CourseOf(const HandHold& hold) {
-  PoseWaypoints::Options course{.waypoints = {{.time_s = hold.start_s, .pose = {}}}};
-  for (const HandWaypoint& next : hold.path) {
-    const double time = hold.start_s + next.after_s;
-    Require(time > course.waypoints.back().time_s,
-            "after_s of a hand's path must be in order of time", next.after_s);
-    course.waypoints.push_back({.time_s = time, .pose = {.position = next.by}});
-  }
-  return course;
-}
-
-/// Adds the parts of an environment, named push_1, push_2, hand_1, …
-class Environment {
- public:
-  Environment(DiagramBuilder& builder, SimulatedArm& arm, ContactTorque& true_torque,
-              const RobotModel& model, Duration period)
-      : builder_{builder}, arm_{arm}, true_torque_{true_torque}, model_{model}, period_{period} {}
-
-  /// A push that changes at the controller's ticks only, so that the true torque is what acts.
-  void operator()(Push::Options push) {
-    push.model = model_;
-    push.period = period_;
-    Contact(builder_.Add<Push>(Name("push", ++pushes_), push).force);
-  }
-  void operator()(const HandHold& hold) {
-    Hand::Options options = hold.hand;
-    options.model = model_;
-    options.anchored = true;
-    const std::string name = Name("hand", ++hands_);
-    auto& grip = builder_.Add<Pulse<double>>(
-        name + "_grip",
-        {.high = 1, .at = Seconds(hold.start_s), .width = Seconds(hold.duration_s)});
-    auto& hand = builder_.Add<Hand>(name, options);
-    auto& way = builder_.Add<PoseWaypoints>(name + "_way", CourseOf(hold));
-    auto& course = builder_.Add<HandCourse>(name + "_course");
-    builder_.Connect(way.pose, course.pose);
-    builder_.Connect(way.twist, course.twist);
-    builder_.Connect(course.path, hand.path);
-    builder_.Connect(course.velocity, hand.path_velocity);
-    builder_.Connect(grip.y, hand.grip);
-    builder_.Connect(arm_.motion, hand.motion);
-    Contact(hand.contact);
-  }
-  void operator()(MassOnRope::Options rope) {
-    rope.model = model_;
-    auto& mass = builder_.Add<MassOnRope>(Name("mass", ++masses_), rope);
-    builder_.Connect(arm_.motion, mass.motion);
-    Contact(mass.contact);
-    recorded.push_back(&mass.position);
-    recorded.push_back(&mass.tension);
-  }
-  void operator()(Surface::Options plane) {
-    plane.model = model_;
-    auto& surface = builder_.Add<Surface>(Name("surface", ++surfaces_), plane);
-    builder_.Connect(arm_.motion, surface.motion);
-    Contact(surface.contact);
-    recorded.push_back(&surface.penetration);
-  }
-
-  std::vector<const Output<ContactForce>*> contacts;
-  std::vector<const internal::Value*> recorded;
-
- private:
-  static std::string Name(const char* kind, int number) {
-    return std::string(kind) + "_" + std::to_string(number);
-  }
-  void Contact(const Output<ContactForce>& contact) {
-    builder_.Connect(contact, arm_.contacts);
-    builder_.Connect(contact, true_torque_.contacts);
-    contacts.push_back(&contact);
-    recorded.push_back(&contact);
-  }
-
-  DiagramBuilder& builder_;
-  SimulatedArm& arm_;
-  ContactTorque& true_torque_;
-  const RobotModel model_;
-  const Duration period_;
-  int pushes_ = 0, hands_ = 0, masses_ = 0, surfaces_ = 0;
-};
-
 }  // namespace
 
-std::filesystem::path UrdfOf(const Scenario& scenario) { return ModelFile(ArmOf(scenario).urdf); }
+bool IsOtherRobot(const std::string& robot) {
+  return IsUrdfText(robot) || robot.ends_with(".urdf");
+}
+
+std::filesystem::path UrdfOf(const std::string& robot) { return ModelFile(ArmOf(robot).urdf); }
+
+RobotModel RobotOf(const Scenario& scenario) {
+  if (IsUrdfText(scenario.robot)) return RobotModel::FromUrdfText(scenario.robot, "robot");
+  return RobotModel::FromUrdf(IsOtherRobot(scenario.robot) ? std::filesystem::path(scenario.robot)
+                                                           : UrdfOf(scenario.robot));
+}
+
+std::string UrdfTextOf(const Scenario& scenario) {
+  if (IsUrdfText(scenario.robot)) return scenario.robot;
+  return ParameterFile::TextOf(IsOtherRobot(scenario.robot) ? std::filesystem::path(scenario.robot)
+                                                            : UrdfOf(scenario.robot));
+}
 
 bool IsHardware(const Scenario& scenario) {
   return std::holds_alternative<Gen3Station>(scenario.station);
@@ -356,11 +322,11 @@ bool IsHardware(const Scenario& scenario) {
 
 bool IsIdeal(const Scenario& scenario) {
   const auto* simulated = std::get_if<StationOptions>(&scenario.station);
-  return simulated && simulated->ideal;
+  return simulated && (simulated->ideal || (IsOtherRobot(scenario.robot) && !simulated->actuators));
 }
 
 SimulatedArm::Options StationOf(const Scenario& scenario) {
-  const KnownArm& arm = ArmOf(scenario);
+  RobotModel model = RobotOf(scenario);
   StationOptions options;
   if (const auto* simulated = std::get_if<StationOptions>(&scenario.station)) options = *simulated;
   if (const auto* gen3 = std::get_if<Gen3Station>(&scenario.station)) {
@@ -368,13 +334,12 @@ SimulatedArm::Options StationOf(const Scenario& scenario) {
     options.position = gen3->position;
     options.friction = gen3->friction;
   }
-  if (options.position.size() == 0) options.position = arm.home;
+  if (options.position.size() == 0) options.position = HomeOf(scenario, model);
   const RandomStream scatter = RandomStream(scenario.seed).Part(kScatter);
   for (Eigen::Index j = 0; j < options.position.size(); ++j)
     options.position(j) +=
         scenario.position_scatter * scatter.Normal(static_cast<std::uint64_t>(j));
   options.seed = scenario.seed;
-  RobotModel model = ModelOf(scenario);
   if (scenario.payload) {
     const Payload& ball = *scenario.payload;
     const double inertia = 0.4 * ball.mass * ball.radius * ball.radius;
@@ -382,7 +347,7 @@ SimulatedArm::Options StationOf(const Scenario& scenario) {
                                           .center = ball.center,
                                           .inertia = inertia * Eigen::Matrix3d::Identity()});
   }
-  SimulatedArm::Options station = arm.station(model, options);
+  SimulatedArm::Options station = Simulated(scenario, model, options);
   if (IsHardware(scenario) && station.wrist) station.wrist->bias.setZero();  // taken off by a tare
   return station;
 }
@@ -415,7 +380,7 @@ ArmController ControllerOf(const Scenario& scenario, const SimulatedArm::Options
   ArmController controller = scenario.controller;
   std::visit(
       [&](auto& control) {
-        control.model = Perturbed(ModelOf(scenario), scenario.model_error);
+        control.model = Perturbed(RobotOf(scenario), scenario.model_error);
         control.position = arm.position;
         control.rotor_inertia = arm.actuators.reflected_inertia();
         control.period = PeriodOf(arm);
@@ -464,7 +429,7 @@ ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<Recor
   auto& link_motion = b.Add<ModelDynamics>(
       "link_motion",
       {.model = station.model, .frames = is_there ? station.frames : std::vector<std::string>()});
-  std::optional<Environment> environment;
+  std::optional<internal::Environment> environment;
   DepthCamera* camera = nullptr;
   if (is_there) {
     Require(!SightOf(controller),
@@ -482,6 +447,7 @@ ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<Recor
     arm = &b.Add<SimulatedArm>("arm", station);
     environment.emplace(b, *arm, *true_torque, station.model, period);
     for (const EnvironmentPart& part : scenario.environment) std::visit(*environment, part);
+    live_push = environment->live_push;
     b.Connect(link_motion.dynamics, true_torque->dynamics);
     if (const SeenContacts* seen = SightOf(controller)) {
       camera = &b.Add<DepthCamera>("camera", CameraOf(*seen, station.model, scenario.seed));
@@ -636,10 +602,19 @@ ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<Recor
     command_torque(safety->arm_torque);
   }
 
-  if (!sink) return;
-  auto& recorder =
-      b.Add<Recorder>("recorder", {.period = scenario.log_period.value_or(period), .sink = sink});
-  const auto record = [&](const auto&... values) { (b.Connect(values, recorder.in), ...); };
+  std::vector<AnyInputs*> watching;
+  if (sink)
+    watching.push_back(
+        &b.Add<Recorder>("recorder", {.period = scenario.log_period.value_or(period), .sink = sink})
+             .in);
+  for (std::size_t i = 0; i < scenario.stop_when.size(); ++i) {
+    StopWhen::Options stop = scenario.stop_when[i];
+    stop.period = period;
+    watching.push_back(&b.Add<StopWhen>("stop_when_" + std::to_string(i + 1), stop).in);
+  }
+  const auto record = [&](const auto&... values) {
+    for (AnyInputs* in : watching) (b.Connect(values, *in), ...);
+  };
   if (environment)
     for (const internal::Value* value : environment->recorded) record(*value);
   with_arm([&](auto& from) {

@@ -17,6 +17,7 @@
 #include "pliant/diagrams/simulated_arm.h"
 #include "pliant/diagrams/stations.h"
 #include "pliant/plants/hand.h"
+#include "pliant/plants/live_push.h"
 #include "pliant/plants/mass_on_rope.h"
 #include "pliant/plants/model_error.h"
 #include "pliant/plants/push.h"
@@ -24,6 +25,7 @@
 #include "pliant/systems/diagram.h"
 #include "pliant/systems/integrator.h"
 #include "pliant/systems/record_sink.h"
+#include "pliant/systems/stop_when.h"
 
 namespace pliant {
 
@@ -75,7 +77,7 @@ struct Payload {
 };
 
 using EnvironmentPart =
-    std::variant<Push::Options, HandHold, MassOnRope::Options, Surface::Options>;
+    std::variant<Push::Options, HandHold, MassOnRope::Options, Surface::Options, LivePush::Options>;
 
 /// What commands the arm.
 using ArmController = std::variant<ComplianceControl::Options, FrictionExperiment::Options,
@@ -87,7 +89,8 @@ const ComplianceControl::Options& ComplianceOf(const ArmController& controller);
 /// One run of an arm, as a file describes it: the fields are the keys, and what has a default may
 /// be left out.
 struct Scenario {
-  std::string robot;  ///< gen3, gen3_bota or lwr
+  /// gen3, gen3_bota, lwr, the URDF file of another arm, which ends in .urdf, or its text.
+  std::string robot;
   std::variant<StationOptions, Gen3Station> station = {};
   std::optional<Payload> payload = {};
   ModelError model_error = {};  ///< of the controller's model
@@ -103,6 +106,9 @@ struct Scenario {
   std::uint64_t seed = 1;                   ///< of the sensors' noise and bias, and of the scatter
   double position_scatter = 0;              ///< of each joint at the start, normal: σ [rad]
   std::optional<Duration> log_period = {};  ///< none: that of the controller
+  /// Any of these ends a simulated run before its duration. They see what a log does, at the ticks
+  /// of the controller.
+  std::vector<StopWhen::Options> stop_when = {};
 
   template <class F>
   void Parameters(F&& f) {
@@ -120,11 +126,19 @@ struct Scenario {
     f("seed", seed, "", Between(0, 9007199254740992.0));
     f("position_scatter", position_scatter, "rad", kNotNegative);
     f("log_period", log_period);
+    f("stop_when", stop_when);
   }
 };
 
-/// The URDF file of a scenario's robot.
-std::filesystem::path UrdfOf(const Scenario& scenario);
+/// The URDF file of an arm that comes with pliant.
+std::filesystem::path UrdfOf(const std::string& robot);
+
+/// The robot of a scenario as its URDF says, and that.
+RobotModel RobotOf(const Scenario& scenario);
+std::string UrdfTextOf(const Scenario& scenario);
+
+/// Whether a scenario's robot is none that comes with pliant.
+bool IsOtherRobot(const std::string& robot);
 
 /// Whether the arm is one that is there, or an emulated one.
 bool IsHardware(const Scenario& scenario);
@@ -185,6 +199,7 @@ struct ScenarioDiagram {
   NullSpaceControl* null_space = nullptr;  ///< if it is !NullSpaceCompliance
   ContactControl* contact = nullptr;       ///< if it is !ContactControl
   ContactTorque* true_torque = nullptr;    ///< if the arm is simulated
+  LivePush* live_push = nullptr;           ///< the last one of the environment, if there is one
   Duration control_period;
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "pliant/plants/shared_file.h"
+#include "pliant/systems/nearest_name.h"
 
 namespace pliant {
 
@@ -17,9 +18,9 @@ JointStops::Options Stops(const RobotModel& model) {
 }
 
 SimulatedArm::Options Station(const RobotModel& model, const StationOptions& o,
-                              const std::string& actuators) {
+                              const ArmActuators& actuators) {
   SimulatedArm::Options station{.model = model, .position = o.position, .engine = o.engine};
-  station.actuators = ArmActuators::Read(ModelFile(actuators), model.joints());
+  station.actuators = actuators;
   if (!o.friction.empty())
     station.actuators =
         WithFriction(station.actuators, model.joints(), FrictionOf(o.friction, model));
@@ -83,8 +84,38 @@ FrictionFile FrictionOf(const std::vector<IdentifiedFriction>& joints, const Rob
   return {.sources = {}, .model = {}, .loss = {}, .directions = {}, .joints = joints};
 }
 
+ArmActuators StationActuators::Of(const Joints& of) const {
+  ArmActuators arm{.transmission = transmission, .friction = friction, .joint = {}};
+  std::vector<std::string> names;
+  for (int j = 0; j < of.size(); ++j) names.push_back(of[j]);
+  for (const JointActuator& actuator : joints) {
+    if (std::ranges::find(names, actuator.joint) == names.end())
+      throw Error("actuators: the robot has no joint '" + actuator.joint + "'" +
+                  DidYouMean(actuator.joint, names));
+    Require(std::ranges::count(joints, actuator.joint, &JointActuator::joint) == 1,
+            "actuators has each joint once, got '" + actuator.joint + "' twice");
+  }
+  for (const std::string& name : names) {
+    const auto found = std::ranges::find(joints, name, &JointActuator::joint);
+    Require(found != joints.end(), "actuators: joint '" + name + "' is missing");
+    arm.joint.push_back(found->figures);
+  }
+  return arm;
+}
+
+SimulatedArm::Options SimulatedOther(const RobotModel& model, const StationOptions& o) {
+  if (o.actuators) return Station(model, o, o.actuators->Of(model.joints()));
+  Require(o.friction.empty(),
+          "friction is that of actuators, and the station has none; give "
+          "station.actuators, or leave friction out");
+  StationOptions ideal = o;
+  ideal.ideal = true;
+  return Station(model, ideal, ArmActuators::Ideal(model.joints()));
+}
+
 SimulatedArm::Options SimulatedGen3(const RobotModel& model, const StationOptions& o) {
-  SimulatedArm::Options station = Station(model, o, "gen3/actuators.yaml");
+  SimulatedArm::Options station =
+      Station(model, o, ArmActuators::Read(ModelFile("gen3/actuators.yaml"), model.joints()));
   station.firmware = Gen3PositionGains();
   if (!o.ideal) station.sensors = Gen3JointSensors(model.joints(), station.period, o.seed);
   if (HasLink(model, "FT_sensor_wrench")) {
@@ -96,7 +127,8 @@ SimulatedArm::Options SimulatedGen3(const RobotModel& model, const StationOption
 }
 
 SimulatedArm::Options SimulatedLwr(const RobotModel& model, const StationOptions& o) {
-  SimulatedArm::Options station = Station(model, o, "lwr/actuators.yaml");
+  SimulatedArm::Options station =
+      Station(model, o, ArmActuators::Read(ModelFile("lwr/actuators.yaml"), model.joints()));
   if (!o.ideal) station.sensors = LwrJointSensors(model.joints(), station.period, o.seed);
   station.firmware = PositionGains(Figures({3.7, 3.7, 1, 1, 0.22, 0.14, 0.14}),
                                    Figures({40, 40, 50, 50, 50, 50, 50}));

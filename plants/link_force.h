@@ -8,8 +8,8 @@
 
 namespace pliant {
 
-/// A force F at a point x of a link. Where it comes from says what it is: Pulse<Force> is a blow,
-/// Sine<Force> a shaker, Table<Force> a recorded push.
+/// A force F at a point x of a link. Where it comes from says what it is: `Pulse<Force>` is a blow,
+/// `Sine<Force>` a shaker, `Table<Force>` a recorded push.
 ///
 ///   pulse.y ─▶ force.force,   force.contact ─▶ plant.contacts
 ///   plant.motion ─▶ force.motion

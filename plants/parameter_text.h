@@ -25,7 +25,7 @@ requires std::is_integral_v<Number> std::string YamlText(Number value) {
 template <class T>
 std::string LineOf(const T& value) {
   if constexpr (HasWords<T>) {
-    return Words(value)[static_cast<std::size_t>(value)];
+    return WordOf(value);
   } else if constexpr (Dense<T>) {
     if (IsOfAnySize<T> && value.size() == 1) return YamlText(value(0, 0));
     const bool column = T::ColsAtCompileTime == 1 || (IsOfAnySize<T> && value.cols() == 1);

@@ -78,8 +78,8 @@ class RobotModel {
 
   /// Reads a URDF file. Everything that makes no robot is refused with file, line, what was
   /// expected and what was found; so are floating and planar joints, mimic joints, and joints
-  /// without <axis>, which URDF would take for x. A link without <inertial> has no mass, an
-  /// <origin> left out is the identity, an axis of any length is normalised. Meshes and textures
+  /// without `<axis>`, which URDF would take for x. A link without `<inertial>` has no mass, an
+  /// `<origin>` left out is the identity, an axis of any length is normalised. Meshes and textures
   /// are not read. Collision shapes named N_capsule_body, N_capsule_a and N_capsule_b (a cylinder
   /// and two spheres) become one capsule N_capsule.
   ///

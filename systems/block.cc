@@ -96,6 +96,18 @@ Block::PeriodicEvent Block::Every(Duration period, Duration offset) {
   return {this, std::move(rule)};
 }
 
+internal::Rule Block::TimedEvent::MakeStop(std::string reason) const {
+  Require(!reason.empty(), "a rule that stops a run says why; give it a reason");
+  internal::Rule rule = rule_;
+  rule.kind = internal::RuleKind::Stop;
+  rule.reason = std::move(reason);
+  return rule;
+}
+
+void Block::TimedEvent::Stop(std::string reason) const {
+  StopIf(std::move(reason)).From().As([] { return true; });
+}
+
 Block::Guard Block::When(const Output<double>& guard) {
   internal::Rule rule;
   rule.trigger = internal::Trigger::Guard;

@@ -22,7 +22,7 @@ enum class Direction { Rising, Falling, Both };
 
 namespace internal {
 
-enum class RuleKind { Compute, Held, Derivative, Update, Publish };
+enum class RuleKind { Compute, Held, Derivative, Update, Publish, Stop };
 enum class Trigger { None, Periodic, Guard, Start, Step };
 
 using RunRule = void (*)(const void* function, const Block* self, std::byte* arena,
@@ -41,6 +41,7 @@ struct Rule {
   RunRule run = nullptr;
   std::shared_ptr<const void> function;
   std::size_t function_size = 0;  // if it may be copied byte by byte
+  std::string reason;             // why it stops a run
 };
 
 template <class T>
@@ -220,7 +221,27 @@ class Block {
     internal::Rule rule_;
   };
 
-  class [[nodiscard]] PeriodicEvent : public Event {
+  /// An event that may be the last of a run.
+  class [[nodiscard]] TimedEvent : public Event {
+   public:
+    /// The run ends here, if the function says so. It is asked when rules publish; all that happens
+    /// at this instant still happens. Simulator::ended() tells the reason, one sentence without a
+    /// full stop.
+    internal::RuleFrom<bool> StopIf(std::string reason) const {
+      return {block_, MakeStop(std::move(reason))};
+    }
+    /// The run ends here.
+    void Stop(std::string reason) const;
+
+   protected:
+    friend class Block;
+    using Event::Event;
+
+   private:
+    internal::Rule MakeStop(std::string reason) const;
+  };
+
+  class [[nodiscard]] PeriodicEvent : public TimedEvent {
    public:
     /// y is held: computed at each tick in the order of the signals, and it may read its last
     /// value.
@@ -231,12 +252,12 @@ class Block {
 
    private:
     friend class Block;
-    using Event::Event;
+    using TimedEvent::TimedEvent;
   };
 
   class [[nodiscard]] Guard {
    public:
-    Event Crosses(Direction direction) const {
+    TimedEvent Crosses(Direction direction) const {
       internal::Rule rule = rule_;
       rule.direction = direction;
       return {block_, std::move(rule)};

@@ -91,6 +91,7 @@ class Context {
     /// the last one, where the transients of a sampled input are.
     double step = 0;
     bool started = false;
+    int ended_by = -1;  ///< into the endings of the plan; −1: the run goes on
     bool operator==(const TimeLine&) const = default;
   };
 

@@ -40,7 +40,7 @@ double ElementAt(const T& x, Eigen::Index i) {
 template <class S>
 using PerElement = typename internal::PerElementOf<S>::type;
 
-/// The space of a PerElement<S>.
+/// The space of a `PerElement<S>`.
 template <class S>
 typename internal::SpaceOf<PerElement<S>>::type ElementSpace(
     const typename internal::SpaceOf<S>::type& space) {

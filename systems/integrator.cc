@@ -1,6 +1,7 @@
 #include "pliant/systems/integrator.h"
 
 #include "pliant/systems/sundials_integrator.h"
+#include "pliant/systems/time_text.h"
 
 namespace pliant {
 namespace {
@@ -24,6 +25,13 @@ const std::vector<std::string>& Words(Method) {
       "heun_euler", "bogacki_shampine", "zonneveld", "sayfy_aburub", "cash_karp",
       "fehlberg",   "dormand_prince",   "sdirk",     "adams",        "bdf"};
   return words;
+}
+
+std::string Integrator::Statistics::text() const {
+  if (steps == 0) return "no step";
+  return Text(steps) + (steps == 1 ? " step" : " steps") + " of " + TimeText(shortest_step) +
+         " to " + TimeText(longest_step) + ", " + TimeText(mean_step()) + " on average, " +
+         Text(rejected_steps) + " rejected; " + Text(derivative_calls) + " derivative calls";
 }
 
 IntegratorFailure::IntegratorFailure(double time, int element, const std::string& reason)

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <span>
 #include <string>
@@ -30,9 +31,7 @@ enum class Method {
 
 /// As in scenario files and messages, such as "bogacki_shampine".
 const std::vector<std::string>& Words(Method);
-inline const char* Name(Method method) {
-  return Words(method)[static_cast<std::size_t>(method)].c_str();
-}
+inline const char* Name(Method method) { return WordOf(method).c_str(); }
 
 /// A local error e of a step is accepted when
 ///
@@ -120,6 +119,15 @@ class Integrator {
     std::int64_t steps = 0;
     std::int64_t rejected_steps = 0;  ///< tried and not accurate enough
     std::int64_t derivative_calls = 0;
+
+    /// Of the steps [s], also of those that a stop time cut short. Infinite and 0: there was none.
+    double shortest_step = std::numeric_limits<double>::infinity();
+    double longest_step = 0;
+    double integrated = 0;  ///< the sum of the steps [s]
+
+    double mean_step() const { return steps > 0 ? integrated / static_cast<double>(steps) : 0; }
+    /// Such as "120 steps of 12 µs to 1 ms, 0.8 ms on average, 3 rejected; 480 derivative calls".
+    std::string text() const;
 
     bool operator==(const Statistics&) const = default;
   };

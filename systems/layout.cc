@@ -16,6 +16,10 @@ void PlanBuilder::Place() {
   static const double kZero = 0;
   NewSlot(TypeOf<double>(), &kZero, Role::Free, nullptr);  // the clock
   sources_ = 1;
+  const auto stops = [](const HappeningRule& h) { return h.rule->kind == RuleKind::Stop; };
+  static const bool kGoesOn = false;
+  if (std::ranges::any_of(happenings_, stops))
+    stop_slot_ = NewSlot(TypeOf<bool>(), &kGoesOn, Role::Scratch, nullptr);
   for (Node& node : nodes_) {
     const Block::Declared& d = *node.declared;
     if (!d.from.empty()) continue;
@@ -95,6 +99,7 @@ std::size_t PlanBuilder::BindPlaces(const Block& block, const Rule& rule) {
                                                 : rule.kind == RuleKind::Update   ? node.next_slot
                                                                                   : node.slot));
   }
+  if (rule.kind == RuleKind::Stop) places.push_back(static_cast<std::uint32_t>(stop_slot_));
   const std::size_t arguments = places.size();
   places.resize(arguments + rule.arguments.size(), 0);  // the clock's slot is 0
   is_slot_.resize(places.size(), true);
@@ -140,6 +145,8 @@ void PlanBuilder::Layout() {
     return static_cast<std::uint32_t>(offset);
   };
   for (Slot& slot : plan_->slots) slot.offset = reserve(slot.type->size, slot.type->alignment);
+  if (stop_slot_ >= 0)
+    plan_->stop_offset = plan_->slots[static_cast<std::size_t>(stop_slot_)].offset;
   plan_->valid_offset = reserve(plan_->words * sizeof(std::uint64_t), 64);
   plan_->state_offset = reserve(static_cast<std::size_t>(plan_->states) * sizeof(double), 64);
   plan_->bytes = at;
@@ -170,9 +177,13 @@ void PlanBuilder::Layout() {
 }
 
 void PlanBuilder::LayOutHappening(Happening& h) {
-  for (auto* actions : {&h.publishes, &h.updates})
-    for (Action& a : *actions)
+  const auto place = [&](auto& actions) {
+    for (auto& a : actions)
       a.step.slots = plan_->places.data() + reinterpret_cast<std::size_t>(a.step.slots);
+  };
+  place(h.publishes);
+  place(h.updates);
+  place(h.stops);
   for (Commit& c : h.commits) {
     c.from = plan_->slots[c.from].offset;
     c.to = plan_->slots[c.to].offset;

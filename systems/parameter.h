@@ -10,6 +10,7 @@
 
 #include "pliant/systems/error.h"
 #include "pliant/systems/space.h"
+#include "pliant/systems/words.h"
 
 namespace pliant {
 
@@ -57,12 +58,6 @@ inline constexpr double kToBeGiven = std::numeric_limits<double>::quiet_NaN();
 template <class T>
 concept HasParameters = requires(T& t) {
   t.Parameters([](std::string_view, auto&, std::string_view = {}, const Range& = kAnyNumber) {});
-};
-
-/// An enumeration with a word for each value, 0, 1, 2, …: `Words(E)` names them.
-template <class E>
-concept HasWords = std::is_enum_v<E> && requires(E e) {
-  { Words(e) } -> std::same_as<const std::vector<std::string>&>;
 };
 
 /// Throws "<where>: gear_ratio must be > 0, got 0" for the first parameter out of its range, also

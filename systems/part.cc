@@ -114,7 +114,7 @@ class PartCutter {
     return std::move(top_);
   }
 
-  std::vector<NamedValue> given, computed;
+  std::vector<NamedValue> given, computed, changed;
   std::vector<std::string> along, unknown;
 
  private:
@@ -173,7 +173,10 @@ class PartCutter {
       const End& end = ends.front();
       known_.emplace(end, path);
       if (!IsInside(end.block)) continue;
-      if (end.declared().kind == Kind::Input) continue;  // a default: it follows from nothing
+      if (end.declared().kind == Kind::Input) {  // a default: it follows from nothing
+        changed.push_back({path, end.declared().value});
+        continue;
+      }
       computed.push_back({path, end.declared().value});
       computed_.push_back(end);
     }
@@ -330,8 +333,8 @@ Part DiagramBuilder::BuildPart(std::string_view path, const std::vector<std::str
   const std::unique_ptr<Root> whole = std::move(root_);
   internal::PartCutter cut(*whole, path, known);
   Diagram diagram(internal::MakePlan(cut.Take(watch)));
-  return {std::move(diagram), std::move(cut.given), std::move(cut.computed), std::move(cut.along),
-          std::move(cut.unknown)};
+  return {std::move(diagram),     std::move(cut.given), std::move(cut.computed),
+          std::move(cut.changed), std::move(cut.along), std::move(cut.unknown)};
 }
 
 }  // namespace pliant

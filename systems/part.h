@@ -26,6 +26,7 @@ struct Part {
   Diagram diagram;
   std::vector<NamedValue> given;     ///< to set before each tick
   std::vector<NamedValue> computed;  ///< known values within the part that follow from its rules
+  std::vector<NamedValue> changed;   ///< known inputs within the part that have their default
   std::vector<std::string> along;    ///< blocks outside of the part that run along
   std::vector<std::string> unknown;  ///< known paths within the part that it does not have
 };

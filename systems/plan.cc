@@ -64,7 +64,8 @@ void PlanBuilder::AddBlock(Block* block) {
 void PlanBuilder::CollectRules() {
   for (const Block* block : plan_->blocks)
     for (const Rule& rule : Access::Rules(*block)) {
-      if (rule.kind == RuleKind::Update || rule.kind == RuleKind::Publish) {
+      if (rule.kind == RuleKind::Update || rule.kind == RuleKind::Publish ||
+          rule.kind == RuleKind::Stop) {
         happenings_.push_back({block, &rule});
         for (const int t : rule.targets) CheckUpdate(At(Index(*block, t)), rule);
         continue;

@@ -58,12 +58,19 @@ struct Action {
   const Block* block;
 };
 
+/// Says, in a place of its own, whether a run ends.
+struct StopRule {
+  Step step;
+  int number;  // into Plan::endings
+};
+
 /// What happens at one kind of instant: the ticks of a rate, the firing of a guard, the start.
 struct Happening {
   Bits held;   ///< held outputs to compute, with all they need
   Bits stale;  ///< what that invalidates, themselves included
   Bits publish_needs, update_needs;
   std::vector<Action> publishes, updates;
+  std::vector<StopRule> stops;
   std::vector<Commit> commits;
   bool stops_integration = false;  ///< changes states, or what derivatives or guards depend on
 };
@@ -79,6 +86,12 @@ struct GuardEntry {
   int rule;
   Direction direction;
   Happening event;
+};
+
+/// A rule that may end a run.
+struct Ending {
+  std::string block;  // its path
+  std::string reason;
 };
 
 struct ContinuousEntry {
@@ -115,6 +128,8 @@ struct Plan {
   std::vector<Rate> rates;
   std::vector<GuardEntry> guards;
   Happening start, step;
+  std::vector<Ending> endings;
+  std::uint32_t stop_offset = 0;  // the answer of a rule that may end the run, if there is one
   Bits initially_valid;
   std::uint64_t fingerprint = 0;  // what a snapshot must match
 

@@ -108,6 +108,7 @@ class PlanBuilder {
   std::vector<std::pair<std::size_t, std::size_t>> type_lists_;  // place, index into plan_->types
   Row watched_;                                                  // what derivatives and guards need
   int sources_ = 0;
+  int stop_slot_ = -1;
 };
 
 }  // namespace pliant::internal

@@ -92,6 +92,7 @@ const RunReport& RealTimeRunner::Run(double end) {
   report_.end = Loop(Nanoseconds(end));
   const std::string now = "t = " + Text(sim_.time()) + " s";
   if (report_.end == RunEnd::TimeReached) report_.reason = "its end was reached, " + now;
+  if (report_.end == RunEnd::Ended) report_.reason = sim_.ended()->text();
   if (report_.end == RunEnd::StopAsked) report_.reason = "it was asked to stop at " + now;
   if (report_.end == RunEnd::Overran)
     report_.reason = "it stopped at " + now + ", since the next tick would begin " +
@@ -104,10 +105,13 @@ const RunReport& RealTimeRunner::Run(double end) {
 RunEnd RealTimeRunner::Loop(std::int64_t end) {
   std::int64_t before = -1;                                // when the last tick began
   std::int64_t origin = Now() - Nanoseconds(sim_.time());  // W_k = origin + t_k
-  while (true) {
+  while (!sim_.ended()) {
     const std::int64_t tick = sim_.next_tick_ns();
     if (!WaitFor(origin + std::min(tick, end))) return RunEnd::StopAsked;
-    if (tick >= end) break;
+    if (tick >= end) {
+      sim_.AdvanceTo(1e-9 * static_cast<double>(end));
+      return sim_.ended() ? RunEnd::Ended : RunEnd::TimeReached;
+    }
 
     const std::int64_t begin = Now();
     if (options_.paced) {
@@ -124,12 +128,19 @@ RunEnd RealTimeRunner::Loop(std::int64_t end) {
     before = begin;
 
     ++report_.ticks;
+    if (options_.before_tick) {
+      sim_.AdvanceTo(1e-9 * static_cast<double>(tick));
+      if (!sim_.ended()) options_.before_tick(sim_, report_);
+    }
     sim_.AdvanceThroughTick();
+    if (sim_.next_tick_ns() == tick) {  // the run ended on the way there
+      --report_.ticks;
+      break;
+    }
     times_->compute_ns = Now() - begin;
     report_.compute.Count(times_->compute_ns);
   }
-  sim_.AdvanceTo(1e-9 * static_cast<double>(end));
-  return RunEnd::TimeReached;
+  return RunEnd::Ended;
 }
 
 /// A tick begins so many periods late. Returns how many of them are skipped.

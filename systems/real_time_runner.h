@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <string>
@@ -21,7 +22,8 @@ enum class Overrun {
   Stop,     ///< the run ends before that tick
 };
 
-enum class RunEnd { TimeReached, StopAsked, Overran, Failed };
+/// Ended: by a block of the diagram, as Simulator::ended tells.
+enum class RunEnd { TimeReached, StopAsked, Overran, Failed, Ended };
 
 /// How a run went.
 struct RunReport {
@@ -66,12 +68,16 @@ class RealTimeRunner {
     RealTimePermissions::Options permissions = {};
     std::shared_ptr<TickTimes> times = {};    ///< written before each tick, for TickTimer
     const std::atomic<bool>* stop = nullptr;  ///< asked at every tick and at every signal
+    /// Called when a tick is due and its time is reached, before its events: to change inputs that
+    /// nothing is connected to. Part of what the tick takes.
+    std::function<void(Simulator&, const RunReport& now)> before_tick = {};
   };
 
   /// The simulator must outlive the runner.
   RealTimeRunner(Simulator& sim, const Options& options);
 
-  /// Runs to `end` [s] of the diagram, before the events there, or until it is asked to stop.
+  /// Runs to `end` [s] of the diagram, before the events there, or until it is asked to stop or a
+  /// block ends the run.
   const RunReport& Run(double end = std::numeric_limits<double>::infinity());
 
   /// Of the last run, also of one that an exception ended.

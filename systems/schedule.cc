@@ -120,8 +120,14 @@ void PlanBuilder::AddAction(std::size_t happening, Happening& h) {
   const auto& [block, rule] = happenings_[happening];
   // Until Layout its slots are an index in disguise, since the places may still move.
   const auto* slots = reinterpret_cast<const std::uint32_t*>(happening_begins_[happening]);
+  const Step step{rule->run, rule->function.get(), block, slots};
+  if (rule->kind == RuleKind::Stop) {
+    h.stops.push_back({step, static_cast<int>(plan_->endings.size())});
+    plan_->endings.push_back({block->path(), rule->reason});
+    return;
+  }
   auto& actions = rule->kind == RuleKind::Publish ? h.publishes : h.updates;
-  actions.push_back({{rule->run, rule->function.get(), block, slots}, block});
+  actions.push_back({step, block});
   for (const int t : rule->targets) {
     const Node& node = At(Index(*block, t));
     h.commits.push_back({node.declared->type, static_cast<std::uint32_t>(node.next_slot),
@@ -138,7 +144,7 @@ Happening PlanBuilder::Happens(const Belongs& belongs) {
   for (std::size_t i = 0; i < happenings_.size(); ++i) {
     const auto& [block, rule] = happenings_[i];
     if (!belongs(*block, *rule)) continue;
-    AddNeeds(*block, *rule, rule->kind == RuleKind::Publish ? publish : update);
+    AddNeeds(*block, *rule, rule->kind == RuleKind::Update ? update : publish);
     AddAction(i, h);
   }
   for (int k = 0; k < static_cast<int>(order_.size()); ++k) {

@@ -36,8 +36,13 @@ Simulator::Simulator(const Diagram& diagram, const Options& options)
 
 Simulator::~Simulator() = default;
 
-Integrator::Statistics Simulator::statistics() const {
-  return integrator_ ? integrator_->statistics() : Integrator::Statistics{};
+Simulator::Statistics Simulator::statistics() const {
+  return {integrator_ ? integrator_->statistics() : Integrator::Statistics{}, guards_fired_};
+}
+
+std::string Simulator::Statistics::text() const {
+  return Integrator::Statistics::text() + "; " + Text(guards_fired) +
+         (guards_fired == 1 ? " guard fired" : " guards fired");
 }
 
 void Simulator::Start() {
@@ -71,19 +76,27 @@ void Simulator::AdvanceTo(double t) {
     throw Error("AdvanceTo: t must not lie before the time reached, " + Text(time()) + " s, got " +
                 Text(t));
   while (time() < end) {
-    if (guard_ >= 0 && time() == hi_) {
-      Fire(static_cast<std::size_t>(guard_));
-      continue;
-    }
-    const double tick = plan_.rates.empty() ? kNever : Seconds(context_.line_.due[NextRate()]);
-    if (tick <= time()) {
-      Tick();
-      continue;
-    }
+    if (Happens()) continue;
+    if (HasEnded()) return;
     if (time() == hi_) TakeStep();
-    Show(std::min({tick, end, hi_}));
+    Show(std::min({TickTime(), end, hi_}));
     if (time() == hi_ && integrator_) PublishAll(plan_.step);
   }
+}
+
+/// The next event of this instant, if there is one.
+bool Simulator::Happens() {
+  if (guard_ >= 0 && time() == hi_) {
+    Fire(static_cast<std::size_t>(guard_));
+    return true;
+  }
+  if (TickTime() > time()) return false;
+  Tick();
+  return true;
+}
+
+double Simulator::TickTime() const {
+  return plan_.rates.empty() ? kNever : Seconds(context_.line_.due[NextRate()]);
 }
 
 void Simulator::AdvanceThroughTick() {
@@ -91,8 +104,22 @@ void Simulator::AdvanceThroughTick() {
   const double next = Seconds(context_.line_.due[NextRate()]);
   Require(next < 9e9, "nothing ticks any more", time());
   AdvanceTo(next);
+  if (HasEnded()) return;
   while (guard_ >= 0 && time() == hi_) Fire(static_cast<std::size_t>(guard_));
   Tick();
+  if (HasEnded())
+    while (Happens()) {
+    }
+}
+
+std::optional<Simulator::Ending> Simulator::ended() const {
+  if (!HasEnded()) return std::nullopt;
+  const internal::Ending& by = plan_.endings[static_cast<std::size_t>(context_.line_.ended_by)];
+  return Ending{.time = time(), .block = by.block, .reason = by.reason};
+}
+
+std::string Simulator::Ending::text() const {
+  return std::string(block) + " ended the run at t = " + Text(time) + " s: " + std::string(reason);
 }
 
 std::int64_t Simulator::next_tick_ns() const {
@@ -280,6 +307,7 @@ void Simulator::Fire(std::size_t guard) {
                 Text(2 * options_.zeno_interval_s) + " s" + kZenoRemedy);
   const double now = GuardNow(guard);
   line.side[guard] = now != 0 ? now : -line.side[guard];
+  ++guards_fired_;
   PublishAll(g.event);
   Update(g.event);
   fresh_ = true;
@@ -323,10 +351,17 @@ void Simulator::Tick() {
   if (stops) Restart();
 }
 
+/// Publishes, and asks who may end the run.
 void Simulator::PublishAll(const Happening& h) {
-  if (h.publishes.empty()) return;
+  if (h.publishes.empty() && h.stops.empty()) return;
   context_.Evaluate(h.publish_needs);
   for (const internal::Action& action : h.publishes) action.step(context_.arena_);
+  int& ended_by = context_.line_.ended_by;
+  for (const internal::StopRule& stop : h.stops) {
+    stop.step(context_.arena_);
+    if (ended_by < 0 && internal::At<bool>(context_.arena_, plan_.stop_offset))
+      ended_by = stop.number;
+  }
 }
 
 void Simulator::Update(const Happening& h) {

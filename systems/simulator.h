@@ -3,8 +3,10 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "pliant/systems/diagram.h"
@@ -31,6 +33,9 @@ struct TickCost;
 ///
 /// AdvanceTo(t) ends before the events at t, which begin the next call; a run split into many calls
 /// is the same run, bit for bit.
+///
+/// A rule with Stop or StopIf ends the run: all events of that instant are gone through, time stays
+/// there from then on, and `ended` tells why. A snapshot taken before leads back.
 class Simulator {
  public:
   struct Options {
@@ -38,6 +43,25 @@ class Simulator {
     double guard_spacing_s = 1e-3;  ///< > 0
     /// A guard that fires three times at intervals shorter than this is reported as Zeno behaviour.
     double zeno_interval_s = 1e-4;
+  };
+
+  /// Who ended a run and why: the first that asked, if several did at one instant. The texts live
+  /// as long as the diagram.
+  struct Ending {
+    double time;             ///< [s]
+    std::string_view block;  ///< its path
+    std::string_view reason;
+
+    std::string text() const;  ///< "ball ended the run at t = 0.45 s: it has reached the floor"
+  };
+
+  /// Counted since construction.
+  struct Statistics : Integrator::Statistics {
+    std::int64_t guards_fired = 0;
+
+    std::string text() const;  ///< that of the integrator, and "2 guards fired"
+
+    bool operator==(const Statistics&) const = default;
   };
 
   /// Starts at t = 0 with the initial values and runs the AtStart rules. The diagram must outlive
@@ -53,8 +77,12 @@ class Simulator {
   /// before the step or at the event that failed; Restore leads out of both.
   void AdvanceTo(double t);
 
-  /// Advances to the next tick and through it: its time is reached, and its outputs are held.
+  /// Advances to the next tick and through it: its time is reached, and its outputs are held. A run
+  /// that ends on the way there stays where it ended.
   void AdvanceThroughTick();
+
+  /// Nothing while the run goes on.
+  std::optional<Ending> ended() const;
 
   double time() const { return context_.time(); }
   /// When the next tick is [ns]; beyond any time if nothing ticks.
@@ -95,7 +123,7 @@ class Simulator {
   /// To read. What is set through it is not seen by the integrator: use Set.
   Context& context() { return context_; }
   const Diagram& diagram() const { return diagram_; }
-  Integrator::Statistics statistics() const;
+  Statistics statistics() const;
 
  private:
   friend TickCost EstimateTickCost(const Diagram& diagram, int samples);
@@ -110,6 +138,9 @@ class Simulator {
   void GiveUpStep(double step);
   void Show(double t);
   void Tick();
+  bool HasEnded() const { return context_.line_.ended_by >= 0; }
+  bool Happens();
+  double TickTime() const;
   void Fire(std::size_t guard);
   void Update(const internal::Happening& h);
   void PublishAll(const internal::Happening& h);
@@ -136,6 +167,7 @@ class Simulator {
   bool begins_ = true;      // no step was taken since the integrator was reset
   bool fresh_ = true;       // lo_ is an event: sample guards finely behind it
   int fired_last_ = -1;
+  std::int64_t guards_fired_ = 0;
   std::vector<double> sides_;           // of the guards, at a sample
   std::vector<double> buffer_, begin_;  // states: on their way to the context, and at lo_
 };

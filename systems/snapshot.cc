@@ -14,7 +14,7 @@ namespace {
 using internal::Role;
 using internal::Slot;
 
-constexpr std::string_view kMagic = "pliant snapshot 1\n";
+constexpr std::string_view kMagic = "pliant snapshot 2\n";
 
 std::uint64_t Checksum(std::string_view bytes) {
   return internal::Mixed(internal::kFingerprintSeed, bytes);
@@ -56,6 +56,7 @@ void Context::Save(const std::filesystem::path& file) const {
   Put(bytes, line_.quick);
   Put(bytes, line_.step);
   Put(bytes, line_.started);
+  Put(bytes, line_.ended_by);
   for (const Slot& slot : plan_->slots) {
     if (!IsKept(slot)) continue;
     if (!slot.type->write)
@@ -105,6 +106,7 @@ void Context::Load(const std::filesystem::path& file) {
   p = Take(read.line_.quick, p, end);
   p = Take(read.line_.step, p, end);
   p = Take(read.line_.started, p, end);
+  p = Take(read.line_.ended_by, p, end);
   for (const Slot& slot : plan_->slots) {
     if (!IsKept(slot)) continue;
     if (!slot.type->write)

@@ -155,7 +155,11 @@ class SundialsIntegrator : public Integrator {
     const int flag = Advance(t_stop);
     statistics_.rejected_steps += ErrorTestFailures() - rejected_before;
     if (flag < 0) Fail(flag);
+    const double step = t_ - t_begin_;
     ++statistics_.steps;
+    statistics_.shortest_step = std::min(statistics_.shortest_step, step);
+    statistics_.longest_step = std::max(statistics_.longest_step, step);
+    statistics_.integrated += step;
     steps_since_event_ = t_ == t_stop ? 0 : steps_since_event_ + 1;
     return t_;
   }

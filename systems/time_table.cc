@@ -72,7 +72,11 @@ TimeTable ReadTimeTable(const std::filesystem::path& file) {
       const bool is_header = !Number(fields[0]);
       for (std::size_t i = 1; i < width; ++i)
         table.columns.push_back(is_header ? Unquoted(fields[i]) : Text(i));
-      if (is_header) continue;
+      if (is_header) {
+        table.time_column = Unquoted(fields[0]);
+        table.header_line = number;
+        continue;
+      }
     }
     if (fields.size() != width)
       refuse(std::min(fields.size(), width) + 1,

@@ -13,6 +13,8 @@ struct TimeTable {
   std::vector<std::string> columns;  ///< names, the time left out
   std::vector<double> times;         ///< [s]
   std::vector<double> cells;         ///< row by row, the time left out
+  std::string time_column = {};      ///< the name of the first column; empty: there are no names
+  int header_line = 0;               ///< where the names stand, from 1; 0: there are none
 
   bool operator==(const TimeTable&) const = default;
 };

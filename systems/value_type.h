@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "pliant/systems/signal.h"
+#include "pliant/systems/words.h"
 
 namespace pliant::internal {
 
@@ -49,6 +50,9 @@ struct ValueType {
   /// another number of them.
   bool (*store)(const void* value, double* to, std::size_t count);
   std::size_t (*count)(const void* value);  ///< of its numbers
+
+  /// Of an enumeration that has a word for each value; null of any other type.
+  const std::vector<std::string>& (*words)();
 };
 
 template <class T>
@@ -253,6 +257,8 @@ ValueType DescribeType() {
   } else {
     type.name = TypeName(typeid(T));
   }
+  if constexpr (HasWords<T>)
+    type.words = []() -> const std::vector<std::string>& { return Words(T{}); };
   type.construct = [](void* at, const void* from) { new (at) T(*static_cast<const T*>(from)); };
   type.assign = [](void* to, const void* from) {
     *static_cast<T*>(to) = *static_cast<const T*>(from);

@@ -14,3 +14,6 @@ pliant_test(estimators/super_twisting_fusion_test.cc LIBRARIES pliant::estimator
 pliant_test(estimators/super_twisting_observer_test.cc LIBRARIES pliant::estimators)
 pliant_test(estimators/tool_compensation_test.cc LIBRARIES pliant::estimators)
 pliant_test(estimators/wrist_torque_test.cc LIBRARIES pliant::estimators)
+pliant_test(estimators/kalman_filter_test.cc LIBRARIES pliant::estimators)
+pliant_test(estimators/kalman_gain_test.cc LIBRARIES pliant::estimators)
+pliant_test(estimators/luenberger_observer_test.cc LIBRARIES pliant::estimators)

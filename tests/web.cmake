@@ -1,5 +1,5 @@
-# The interactive part of a report. Its packages are installed into a folder of the build; what is
-# missing here leaves out the tests that need it, and is named.
+# The interactive part of a report, and the page of a run that goes on. Their packages are installed
+# into a folder of the build; what is missing here leaves out the tests that need it, and is named.
 
 find_program(NODE node)
 find_program(NPM npm)
@@ -28,14 +28,20 @@ if(NODE AND NPM)
   web_test(packages ${web}/test/packages.mjs ${web} ${web_build})
   set_tests_properties(web/packages PROPERTIES FIXTURES_SETUP web_packages)
   web_test(rebuild ${web_build}/test/rebuild_test.mjs ${web}/dist)
-  set_tests_properties(web/rebuild PROPERTIES FIXTURES_REQUIRED web_packages)
+  web_test(foxglove ${web_build}/test/foxglove_test.mjs $<TARGET_FILE:pliant>
+           ${PROJECT_SOURCE_DIR}/examples/live_arm.yaml)
+  set_tests_properties(web/rebuild web/foxglove PROPERTIES FIXTURES_REQUIRED web_packages)
 endif()
 
 if(NODE AND NPM AND CHROMIUM)
   web_test(page ${web_build}/test/page_test.mjs ${web}/dist ${web_build}/page ${CHROMIUM})
   web_test(report ${web_build}/test/report_test.mjs $<TARGET_FILE:pliant> ${web_build}/page ${CHROMIUM})
-  set_tests_properties(web/page web/report PROPERTIES FIXTURES_REQUIRED web_packages)
+  web_test(live_page ${web_build}/test/live_page_test.mjs ${web}/dist ${CHROMIUM})
+  web_test(live ${web_build}/test/live_test.mjs $<TARGET_FILE:pliant>
+           ${PROJECT_SOURCE_DIR}/examples/live_arm.yaml ${web_build}/live ${CHROMIUM})
+  set_tests_properties(web/page web/report web/live_page web/live
+                       PROPERTIES FIXTURES_REQUIRED web_packages)
 else()
-  message(STATUS "The page of a report is tested only in part: node, npm and chromium would be needed; "
-                 "found ${NODE}, ${NPM}, ${CHROMIUM}")
+  message(STATUS "The pages of reports and runs are tested only in part: node, npm and chromium "
+                 "would be needed; found ${NODE}, ${NPM}, ${CHROMIUM}")
 endif()

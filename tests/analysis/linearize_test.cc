@@ -6,8 +6,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "pliant/controllers/lqr.h"
+#include "pliant/controllers/state_feedback.h"
 #include "pliant/systems/constant.h"
 #include "pliant/systems/low_pass.h"
+#include "pliant/systems/multiplexer.h"
+#include "pliant/systems/simulator.h"
 #include "pliant/tests/support/error_of.h"
 
 namespace pliant {
@@ -220,6 +224,67 @@ TEST(FindEquilibrium, RefusesWhatItCannotChange) {
             "pendulum.height cannot be free: name unconnected inputs and Continuous values");
   EXPECT_EQ(ErrorOf([&] { FindEquilibrium(x.diagram, start, {}, {.tolerance = 0}); }),
             "tolerance must be > 0, got 0");
+}
+
+/// ∫ (xᵀ Q x + u² R) dt, beside what it is fed with.
+class Cost final : public Block {
+ public:
+  explicit Cost(const Names& states)
+      : state{this, "state", states}, torque{this, "torque"}, spent{this, "spent"} {
+    Derivative(spent).From(state, torque).As([](const NumberVector& x, double tau) {
+      const double off = x(0) - std::numbers::pi;
+      return q * off * off + x(1) * x(1) + r * tau * tau;
+    });
+  }
+
+  Input<NumberVector> state;
+  Input<double> torque;
+  Continuous<double> spent;
+
+  static constexpr double q = 10, r = 0.1;
+};
+
+TEST(Linearize, GivesTheFeedbackOfLeastCostThatHoldsAPendulumUpright) {
+  constexpr double kPi = std::numbers::pi;
+  Lqr lqr;
+  {
+    DiagramBuilder b;
+    auto& pendulum = b.Add<Pendulum>("pendulum");
+    const Diagram diagram = b.Build();
+    Context upright = diagram.MakeContext();
+    upright.Set(pendulum.angle, kPi);
+    const Linearization l = Linearize(diagram, upright, {.inputs = {pendulum.torque}});
+    lqr = ContinuousLqr(l.A, l.B,
+                        {.Q = Eigen::Vector2d(Cost::q, 1).asDiagonal().toDenseMatrix(),
+                         .R = Eigen::MatrixXd::Constant(1, 1, Cost::r)},
+                        l.states);
+  }
+  DiagramBuilder b;
+  const Names states{"angle", "speed"};
+  auto& pendulum = b.Add<Pendulum>("pendulum");
+  auto& state = b.Add<Multiplexer>("state", {.names = states});
+  auto& feedback = b.Add<StateFeedback<double>>(
+      "feedback", {.states = states, .gain = lqr.K, .rest = Eigen::Vector2d(kPi, 0)});
+  auto& cost = b.Add<Cost>("cost", states);
+  b.Connect(pendulum.angle, state.u);
+  b.Connect(pendulum.speed, state.u);
+  b.Connect(state.y, feedback.x);
+  b.Connect(feedback.u, pendulum.torque);
+  b.Connect(state.y, cost.state);
+  b.Connect(feedback.u, cost.torque);
+  const Diagram diagram = b.Build();
+
+  Simulator sim(diagram,
+                {.integrator = {.relative_tolerance = 1e-10, .absolute_tolerance = 1e-12}});
+  const double slowest = -lqr.modes.real().maxCoeff();
+  ASSERT_GT(slowest, 0);
+  constexpr double kOff = 0.01;  // [rad]
+  sim.Set(pendulum.angle, kPi + kOff);
+  sim.AdvanceTo(20 / slowest);
+  // What is left has fallen by exp(−20) to 2e-11; some hundred steps err by 3e-10 each.
+  EXPECT_NEAR(sim.Get(pendulum.angle), kPi, 1e-7);
+  // The cost is x₀ᵀ S x₀, but for sin x − x = x³/6: a part of the order of x₀²/6.
+  EXPECT_NEAR(sim.Get(cost.spent) / (kOff * kOff * lqr.S(0, 0)), 1, kOff * kOff);
 }
 
 }  // namespace

@@ -58,6 +58,22 @@ TEST(RunExperiment, LeavesAWholeLogOfEachRun) {
   }
 }
 
+TEST(RunExperiment, SaysWhichBlockHasEndedARun) {
+  const TemporaryDirectory out;
+  ExperimentFile file = Short();
+  file.scenarios[1].stop_when = {{.number = "arm.measured_position[joint_4]", .below = 0}};
+  const auto logs = RunExperiment(file, {.out = out.path()});
+  EXPECT_EQ(RunHeading::Read(logs[0]).ended, "");
+  const RunData run = RunData::Read(logs[1]);
+  EXPECT_TRUE(run.whole) << "it came to its end";
+  EXPECT_EQ(run.ended,
+            "stop_when_1 ended the run at t = 0 s: arm.measured_position[joint_4] is below 0");
+  EXPECT_EQ(run.times().size(), 1);
+  EXPECT_EQ(run.timing.ticks, 1);
+  EXPECT_EQ(run.timing.simulated_s, 0);
+  EXPECT_THAT(RunHeading::Read(logs[0]).integrator, testing::HasSubstr(" on average, "));
+}
+
 TEST(RunExperiment, GivesEachRepetitionItsSeedAndItsLog) {
   const TemporaryDirectory out;
   const auto logs = RunExperiment(Noisy(), {.out = out.path()});

@@ -118,9 +118,8 @@ TEST_P(RunOnArmInMode, BringsTheSupervisorsCommandsToTheArmInSinglePrecision) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, RunOnArmInMode, testing::ValuesIn(kModes), [](const auto& of) {
-  return Words(of.param)[static_cast<std::size_t>(of.param)];
-});
+INSTANTIATE_TEST_SUITE_P(All, RunOnArmInMode, testing::ValuesIn(kModes),
+                         [](const auto& of) { return WordOf(of.param); });
 
 TEST(RunOnArm, TurnsAJointOnThroughHalfATurn) {
   // Joint 1 begins 0.05 rad before 180°; the tool goes round the base's axis.
@@ -156,6 +155,14 @@ std::string HeldArm(const std::string& station, const std::string& more = kShort
                     const std::string& robot = "gen3", const std::string& control = "") {
   return "title: An arm\nsummary: Of a test.\nrobot: " + robot + "\nstation: " + station +
          "\ncontroller: !Compliance {tool: tool_frame" + control + "}\n" + more;
+}
+
+TEST(RunOnArm, LogsWhatItsBlocksAreEstimatedToCost) {
+  LockStepGen3 gen3;
+  const Ran r(ControlMode::Torque, gen3);
+  const auto& costs = r.log.metadata().at("pliant.costs");
+  ASSERT_TRUE(costs.contains("control.qp"));
+  EXPECT_GT(std::stod(costs.at("control.qp")), 0);
 }
 
 TEST(RunOnArm, NeedsAStationThatIsAnArm) {

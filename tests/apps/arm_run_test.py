@@ -100,6 +100,7 @@ class ArmRun(InFolder):
         self.assertIn("ended: stopped\n", told)
         for part in ("control", "safety"):
             self.assertIn("identical", self.ends(0, "replay", "out/logs/run.mcap", "--part", part))
+        self.assertIn("all blocks: ", self.ends(0, "graph", "out/logs/run.mcap"))  # what they cost
         self.assertTrue(self.is_handed_back(address))
 
     def test_ends_with_code_3_after_a_fault(self):

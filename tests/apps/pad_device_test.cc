@@ -78,7 +78,7 @@ TEST(PadDevice, SeesButtonsAndThatItIsUnplugged) {
                                      {SDL_CONTROLLER_BUTTON_DPAD_UP, PadButton::Up}}) {
     pad.Press(theirs, true);
     EXPECT_TRUE(Becomes([&, b = ours] { return device.latest().buttons == BitOf(b); }))
-        << Words(ours)[static_cast<std::size_t>(ours)];
+        << WordOf(ours);
     EXPECT_GT(device.latest().stamp_s, last);
     last = device.latest().stamp_s;
     pad.Press(theirs, false);

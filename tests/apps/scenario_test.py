@@ -10,7 +10,7 @@ import command
 from command import SHORT, InFolder, main
 
 KEYS = ("title, summary, robot, station, payload, model_error, assumed_friction, controller, schedule, safety, environment, "
-        "integrator, duration_s, seed, position_scatter, log_period, repeat, runs, claims, figures, tables")
+        "integrator, duration_s, seed, position_scatter, log_period, stop_when, repeat, runs, claims, figures, tables")
 CLAIM = """
 claims:
   - !{tag} {{id: a, source: nobody, paper: nothing, run: {run}}}
@@ -19,7 +19,7 @@ claims:
 
 class Help(InFolder):
     COMMANDS = [["run"], ["experiment", "list"], ["experiment", "run"], ["report"], ["schema"], ["replay"],
-                ["export"], ["log", "info"], ["log", "repair"], ["doctor"], ["pad"]]
+                ["export"], ["graph"], ["log", "info"], ["log", "repair"], ["doctor"], ["pad"]]
 
     def examples(self):
         for words in [[], *self.COMMANDS]:
@@ -47,7 +47,7 @@ class Help(InFolder):
                                   capture_output=True, text=True)
             self.assertEqual(done.returncode, 0, f"{example}\n{done.stderr}")
             ran += 1
-        self.assertEqual(ran, 10)
+        self.assertEqual(ran, 11)
 
     def test_says_the_version_and_the_exit_codes(self):
         self.assertRegex(self.ends(0, "--version"), r"^\d+\.\d+\.\d+\n$")
@@ -257,6 +257,22 @@ class Run(InFolder):
         self.refuses("coarse/logs/run.mcap: the log has no row of arm.measured_position at t = 0.001 s, when control "
                      "ticks\n"
                      "record a row at each of its ticks, and drop none", "replay", "coarse/logs/run.mcap")
+
+
+class Ended(InFolder):
+    def test_is_said_with_who_ended_it_and_why(self):
+        stop = 'stop_when=[{number: "arm.measured_position[joint_2]", below: 9}]'
+        said = self.ends(0, "run", "arm.yaml", "--set", stop, "--verbose", "--out", "out")
+        self.assertIn("run: stop_when_1 ended the run at t = 0 s: "
+                      "arm.measured_position[joint_2] is below 9\n", said)
+        self.assertIn("run: no step; 0 guards fired\n", said)
+        self.assertIn("stop_when_1 ended the run", self.ends(0, "log", "info", "out/logs/run.mcap"))
+
+    def test_is_not_said_of_a_run_that_comes_to_its_duration(self):
+        said = self.ends(0, "run", "arm.yaml", "--verbose", "--set", "duration_s=0.1", "--out", "out")
+        self.assertNotIn("ended", said)
+        self.assertRegex(said, r"(?m)^run: \d+ steps of .* to .*, .* on average, \d+ rejected; "
+                               r"\d+ derivative calls; \d+ guards fired$")
 
 
 class Progress(InFolder):

@@ -257,8 +257,7 @@ TEST(SafetySupervisor, KnowsEveryFaultInEveryMode) {
   for (const Fault& fault : Faults())
     for (const ControlMode mode : {ControlMode::Position, ControlMode::Torque, ControlMode::Current,
                                    ControlMode::TorqueHighVelocity}) {
-      SCOPED_TRACE(Words(fault.cause)[static_cast<std::size_t>(fault.cause)] + ", " +
-                   Words(mode)[static_cast<std::size_t>(mode)]);
+      SCOPED_TRACE(WordOf(fault.cause) + ", " + WordOf(mode));
       Watched w(mode);
       w.Run();
       fault.happen(w);

@@ -123,7 +123,7 @@ TEST(NullSpaceControl, CommandsGravityAndBothParts) {
   Simulator sim(diagram, {.integrator = scenario.integrator});
   for (int i = 0; i < 100; ++i) sim.AdvanceThroughTick();
   const NullSpaceControl& control = *scene.null_space;
-  const RobotModel model = RobotModel::FromUrdf(UrdfOf(scenario));
+  const RobotModel model = RobotOf(scenario);
   RobotDynamics d(model);
   ComputeDynamics(model, sim.Get(scene.arm->measured_position),
                   sim.Get(scene.arm->measured_velocity), d);

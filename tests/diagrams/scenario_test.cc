@@ -82,7 +82,8 @@ std::shared_ptr<Rows> RowsOf(const Scenario& scenario) {
 TEST(Scenario, RefusesWhatIsNotThere) {
   EXPECT_EQ(ErrorOfSetting({}), "no error");
   EXPECT_EQ(ErrorOfSetting({{"robot", "gen4"}}),
-            "there is no robot 'gen4'; did you mean 'gen3'?\n  known: gen3, gen3_bota, lwr");
+            "there is no robot 'gen4'; did you mean 'gen3'?\n  known: gen3, gen3_bota, lwr, "
+            "or a file that ends in .urdf");
   EXPECT_THAT(ErrorOfSetting({{"robot", "lwr"},
                               {"controller.tool", "link_7"},
                               {"station.ideal", "false"},
@@ -126,6 +127,31 @@ TEST(Scenario, RecordsAtItsLogPeriod) {
               testing::ElementsAre(0, 5'000'000, 10'000'000, 15'000'000, 20'000'000));
 }
 
+TEST(Scenario, EndsWhereANumberOfItsLogPassesALimit) {
+  const Scenario scenario =
+      ScenarioIn(kIdeal, {{"duration_s", "20 ms"},
+                          {"stop_when",
+                           "[{number: \"tool.position[x]\", below: -9}, "
+                           "{number: \"arm.measured_position[joint_4]\", below: 0}]"}});
+  for (const std::shared_ptr<Rows>& rows : {std::make_shared<Rows>(), std::shared_ptr<Rows>()}) {
+    ScenarioDiagram scene(scenario, rows);
+    const Diagram diagram = scene.builder.Build();
+    Simulator sim(diagram);
+    sim.AdvanceTo(scenario.duration_s);
+    ASSERT_TRUE(sim.ended());
+    EXPECT_EQ(sim.ended()->text(),
+              "stop_when_2 ended the run at t = 0 s: arm.measured_position[joint_4] is below 0");
+    if (rows) {
+      EXPECT_EQ(rows->rows.size(), 1u) << "the tick at which it ends has its row";
+    }
+  }
+  EXPECT_THAT(ErrorOfSetting({{"stop_when", "[{number: \"arm.positon[joint_4]\", above: 1}]"}}),
+              StartsWith("stop_when_1: there is no number 'arm.positon[joint_4]'; did you mean "
+                         "'arm.position[joint_4]'"));
+  EXPECT_EQ(ErrorOfSetting({{"stop_when", "[{number: tool.position}]"}}),
+            "stop_when_1: above or below must be given, the limit at which the run ends");
+}
+
 // The true torque of a tick is Jᵀ F of the push at that tick, at the measured configuration.
 TEST(Scenario, KnowsTheTorqueOfWhatPushes) {
   const Scenario scenario =
@@ -134,7 +160,7 @@ TEST(Scenario, KnowsTheTorqueOfWhatPushes) {
                            "duration_s: 0.1, edge_s: 0.02}]"},
                           {"duration_s", "0.1"}});
   const auto rows = RowsOf(scenario);
-  const RobotModel model = RobotModel::FromUrdf(UrdfOf(scenario));
+  const RobotModel model = RobotOf(scenario);
   const std::vector<std::string> frames{"tool_frame"};
   RobotDynamics d(model, frames);
   for (std::size_t k = 0; k < rows->rows.size(); k += 10) {
@@ -160,7 +186,7 @@ Eigen::Vector3d ShiftWith(const std::string& part, const std::string& contact) {
 }
 
 Eigen::Vector3d ToolOf(const Scenario& scenario) {
-  const RobotModel model = RobotModel::FromUrdf(UrdfOf(scenario));
+  const RobotModel model = RobotOf(scenario);
   const std::vector<std::string> frames{"tool_frame"};
   RobotDynamics d(model, frames);
   ComputeDynamics(model, StationOf(scenario).position, JointVelocity::Zero(model.joints()), d);

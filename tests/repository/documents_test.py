@@ -3,11 +3,15 @@
     documents_test.py ROOT [--write] [--run BIN]
 
 Every ```cpp block stands word for word in a file of examples/ or tests/, every ```yaml block in one
-of examples/ or experiments/; one with a line <!-- example: FILE --> above it is the whole of a YAML
-FILE, of others the part between the lines "// shown: begin" and "// shown: end", and --write puts it
-there. Every line of an ```sh block is a script of the repository, CMake's own, or stands in
-commands.txt beside this file; --run runs those, in order, in one folder that has the repository's
-examples/ and experiments/ and nothing else, with BIN in front of the PATH. Links to files lead
+of examples/ or experiments/. Below a line <!-- example: FILE --> stands the part of FILE between the
+lines "// shown: begin" and "// shown: end", or all of a file without them; <!-- example: FILE#NAME -->
+takes the parts between "// shown: begin NAME" and "// shown: end NAME". --write puts them there.
+
+Every line of an ```sh block is a script of the repository, CMake's own, or stands in commands.txt
+beside this file; --run runs those, in order, in one folder that has the repository's examples/ and
+experiments/ and nothing else, with BIN in front of the PATH. Of a document with a line
+<!-- run in: FOLDER --> all ```sh blocks are run by install_test.py, in a copy of that folder, and a
+```text block is a part of what the block above it prints. Links to files and headings lead
 somewhere.
 """
 
@@ -22,18 +26,21 @@ import tree
 
 COMMANDS = Path(__file__).with_name("commands.txt")
 SCRIPT = re.compile(r"(?:\./setup|\./demo|\./check|\.ci/run|bench/run|cmake|ctest|git|cd|clang-format|python3)\b")
-MARKED = re.compile(r"<!-- example: (\S+) -->\n\s*```(cpp|yaml)\n(.*?)```", re.S)
+MARKED = re.compile(r"<!-- example: ([^\s#]+)(?:#(\w+))? -->\n\s*```(\w+)\n(.*?)```", re.S)
+RUN_IN = re.compile(r"^<!-- run in: (\S+) -->$", re.M)
 BLOCK = re.compile(r"^```(\w*)\n(.*?)^```", re.S | re.M)
-LINK = re.compile(r"\]\(([^)#:\s]+)[^):\s]*\)|(?:src|href)=\"([^\"#:]+)\"")
+LINK = re.compile(r"\]\(([^)#:\s]*)(?:#([^):\s]+))?\)|(?:src|href)=\"([^\"#:]+)\"")
+HEADING = re.compile(r"^#+ (.*)$", re.M)
 
 
-def shown(source):
-    if source.suffix == ".yaml":
-        return source.read_text()
-    match = re.search(r"^ *// shown: begin\n(.*?)^ *// shown: end\n", source.read_text(), re.S | re.M)
-    if not match:
-        sys.exit(f'{source}: no lines "// shown: begin" and "// shown: end"')
-    return match[1].strip("\n") + "\n"
+def shown(source, part):
+    text = source.read_text()
+    name = f" {part}" if part else ""
+    marks = rf"^ *// shown: begin{name}\n(.*?)^ *// shown: end{name}\n"
+    parts = re.findall(marks, text, re.S | re.M)
+    if part and not parts:
+        sys.exit(f'{source}: no lines "// shown: begin{name}" and "// shown: end{name}"')
+    return "\n".join(lines.strip("\n") + "\n" for lines in parts) or text.removeprefix("#pragma once\n\n")
 
 
 def commands():
@@ -41,29 +48,59 @@ def commands():
     return [line for line in lines if line and not line.startswith("#")]
 
 
+def slug(heading):
+    """A heading's anchor, as GitHub makes it: lower case, blanks to hyphens, nothing else but words."""
+    return re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-")
+
+
+def anchors(document):
+    return {slug(heading) for heading in HEADING.findall(BLOCK.sub("", document.read_text()))}
+
+
 def problems_of(document, code):
     text = document.read_text()
+    marked = set()
     for match in MARKED.finditer(text):
-        if match[3] != shown(Path(match[1])):
+        marked.add(match[4])
+        if match[4] != shown(Path(match[1]), match[2]):
             yield f"{document}: the example is not that of {match[1]}; run {__file__} . --write"
     for match in BLOCK.finditer(text):
         where = f"{document}:{text.count(chr(10), 0, match.start()) + 1}"
-        if match[1] in ("cpp", "yaml") and not any(match[2] in other for other in code):
+        if match[1] in ("cpp", "yaml", "cmake", "xml") and match[2] not in marked and \
+                not any(match[2] in other for other in code):
             yield f"{where}: this stands in no file that a test compiles or runs"
-        if match[1] in ("sh", "bash", "console"):
+        if match[1] in ("sh", "bash", "console") and not RUN_IN.search(text):
             for line in match[2].replace("\\\n", " ").splitlines():
                 command = re.sub(r"\s+", " ", line.split(" #")[0]).strip()
                 if command and not SCRIPT.match(command) and command not in commands():
                     yield f"{where}: a command that no test runs: {command}"
     for match in LINK.finditer(text):
-        target = match[1] or match[2]
-        if not (document.parent / target).exists():
+        target = document.parent / (match[1] or match[3]) if match[1] or match[3] else document
+        if not target.exists():
             yield f"{document}: leads nowhere: {target}"
+        elif match[2] and target.suffix == ".md" and match[2] not in anchors(target):
+            yield f"{document}: there is no heading #{match[2]} in {target}"
+
+
+def sessions():
+    """Of each document that is run as a whole: its name, its folder, its ```sh blocks, each with the
+    ```text blocks below it."""
+    for document in tree.files(Path("."), ".md"):
+        text = document.read_text()
+        if folder := RUN_IN.search(text):
+            blocks = []
+            for match in BLOCK.finditer(text):
+                if match[1] == "sh":
+                    blocks.append((match[2], []))
+                elif match[1] == "text":
+                    blocks[-1][1].append(match[2])
+            yield document, Path(folder[1]), blocks
 
 
 def write(document):
     def fill(match):
-        return f"<!-- example: {match[1]} -->\n\n```{match[2]}\n{shown(Path(match[1]))}```"
+        name = match[1] + (f"#{match[2]}" if match[2] else "")
+        return f"<!-- example: {name} -->\n\n```{match[3]}\n{shown(Path(match[1]), match[2])}```"
 
     document.write_text(MARKED.sub(fill, document.read_text()))
 
@@ -89,7 +126,7 @@ def main():
         for document in documents:
             write(document)
     sources = tree.files(Path("examples"), ".cc", ".h") + tree.files(Path("tests"), ".cc", ".h")
-    sources += tree.files(Path("examples"), ".yaml") + tree.files(Path("experiments"), ".yaml")
+    sources += tree.files(Path("examples"), ".yaml", ".txt", ".urdf") + tree.files(Path("experiments"), ".yaml")
     code = [f.read_text() for f in sources]
     everything = "".join(document.read_text() for document in documents)
     problems = [p for document in documents for p in problems_of(document, code)]

@@ -37,7 +37,8 @@ def problems_of(root, source):
         where = f"{source.relative_to(root)}:{number}: {name}"
         parts = name.split("/")
         if parts[0] != "pliant":
-            if quoted:
+            beside = folder == "examples" and (source.parent / name).is_file()  # a project of its own
+            if quoted and not beside:
                 yield f'{where}: an include names the folder: "pliant/FOLDER/FILE.h"'
             elif public and not (parts[0] == "Eigen" or STANDARD.fullmatch(name)):
                 yield f"{where}: public headers show the standard library, Eigen and pliant only"

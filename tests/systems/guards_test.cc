@@ -330,5 +330,19 @@ TEST(Guards, ThatAreNotFiniteAreNamed) {
   EXPECT_THAT(error, HasSubstr("the guard watch.guard is not finite at t = 0.5"));
 }
 
+TEST(Guards, AreCountedWhenTheyFire) {
+  std::vector<double> times;
+  DiagramBuilder b;
+  b.Add<Ball>("ball", {.restitution = 1, .bounces = times});
+  const Diagram diagram = b.Build();
+  Simulator sim{diagram};
+  EXPECT_EQ(sim.statistics().text(), "no step; 0 guards fired");
+  sim.AdvanceTo(0.5);  // the first impact is at √(2/9.81) = 0.45 s, the next at 1.35 s
+  EXPECT_EQ(sim.statistics().guards_fired, 1);
+  EXPECT_TRUE(sim.statistics().text().ends_with("derivative calls; 1 guard fired"));
+  sim.AdvanceTo(2);
+  EXPECT_EQ(sim.statistics().guards_fired, std::ssize(times));
+}
+
 }  // namespace
 }  // namespace pliant

@@ -333,6 +333,22 @@ TEST(Integrator, ASampledRunThatCarriesItsStepOverTakesOneStepPerTick) {
   EXPECT_EQ(integrator->statistics().rejected_steps, 0);
 }
 
+TEST(Integrator, CountsItsStepsAndKnowsTheirSizes) {
+  const auto integrator = MakeIntegrator({.fixed_step_s = 0.25}, 2, Derivatives{kOscillate});
+  EXPECT_EQ(integrator->statistics().text(), "no step");
+  EXPECT_EQ(integrator->statistics().mean_step(), 0);
+  integrator->Reset(0, State{1, 0}, 0);
+  Reach(*integrator, 0, 1.125);
+  const Integrator::Statistics s = integrator->statistics();
+  EXPECT_EQ(s.steps, 5);
+  EXPECT_EQ(s.shortest_step, 0.125);  // cut by the stop time
+  EXPECT_EQ(s.longest_step, 0.25);
+  EXPECT_EQ(s.integrated, 1.125);
+  EXPECT_EQ(s.mean_step(), 0.225);
+  EXPECT_EQ(s.text(), "5 steps of 125 ms to 250 ms, 225 ms on average, 0 rejected; " +
+                          Text(s.derivative_calls) + " derivative calls");
+}
+
 TEST(Integrator, AShortLastStepDoesNotShortenTheNextOne) {
   for (const double rest : {1e-3, 1e-9, 1e-13}) {  // the last below min_step_s
     const auto integrator = MakeIntegrator({}, 2, Derivatives{kOscillate});

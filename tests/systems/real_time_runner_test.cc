@@ -371,6 +371,30 @@ TEST(RealTimeRunner, MakesNoSystemCallInItsLoopButTheSleep) {
             0);
 }
 
+TEST(RealTimeRunner, ChangesInputsAtATickAndNotBefore) {
+  class Tank final : public Block {
+   public:
+    Tank() {
+      Derivative(level).From(flow).As([](double u) { return u; });
+      Every(10ms).Compute(seen).From(level).As([](double x) { return x; });
+    }
+    Input<double> flow{this, "flow", {}, 0};
+    Continuous<double> level{this, "level"};
+    Output<double> seen{this, "seen"};
+  };
+  DiagramBuilder b;
+  auto& tank = b.Add<Tank>("tank");
+  const Diagram diagram = b.Build();
+  Simulator sim(diagram);
+  const auto open_at_20_ms = [&](Simulator& s, const RunReport&) {
+    if (s.next_tick_ns() == 20'000'000) s.Set(tank.flow, 3);
+  };
+  RealTimeRunner(sim, {.paced = false, .before_tick = open_at_20_ms}).Run(0.045);
+  // What RK methods make of a constant rate is exact but for rounding.
+  EXPECT_NEAR(sim.Get(tank.seen), 3 * 0.02, 1e-15);
+  EXPECT_NEAR(sim.Get(tank.level), 3 * 0.025, 1e-15);
+}
+
 TEST(RealTimeRunner, ReportsAndSurvivesWhatIsRefused) {
   const Diagram diagram = MakeQuiet([](std::int64_t) {});
   Simulator sim{diagram};

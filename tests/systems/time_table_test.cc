@@ -27,8 +27,11 @@ std::string Fault(const std::string& contents) {
 }
 
 TEST(ReadTimeTable, ReadsNamesTimesAndNumbers) {
-  const TimeTable expected{
-      .columns = {"tau (N·m)", "q[0,1]"}, .times = {0, 0.5}, .cells = {1, -2, 3e2, 4}};
+  const TimeTable expected{.columns = {"tau (N·m)", "q[0,1]"},
+                           .times = {0, 0.5},
+                           .cells = {1, -2, 3e2, 4},
+                           .time_column = "time (s)",
+                           .header_line = 1};
   EXPECT_EQ(Read("time (s),tau (N·m),\"q[0,1]\"\n0,1,-2\n0.5,3e2,4\n"), expected);
 }
 
@@ -38,7 +41,8 @@ TEST(ReadTimeTable, NumbersColumnsWithoutNames) {
 }
 
 TEST(ReadTimeTable, PassesOverBlanksEmptyLinesAndLineEndsOfWindows) {
-  const TimeTable expected{.columns = {"a"}, .times = {0, 1}, .cells = {1, 2}};
+  const TimeTable expected{
+      .columns = {"a"}, .times = {0, 1}, .cells = {1, 2}, .time_column = "t", .header_line = 1};
   EXPECT_EQ(Read("\xEF\xBB\xBFt, a\r\n\r\n 0 ,\t+1\r\n1,2\r\n\r\n"), expected);
 }
 

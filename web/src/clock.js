@@ -25,8 +25,12 @@ export class Clock {
     this.changed();
   }
 
+  get moving() {
+    return this.playing;
+  }
+
   toggle() {
-    if (this.playing) this.pause();
+    if (this.moving) this.pause();
     else this.play();
   }
 
@@ -39,12 +43,16 @@ export class Clock {
       const passed = Math.max(now - last, 0) / 1000;
       last = now;
       this.time = Math.min(this.time + passed * this.speed, this.to);
-      if (this.time >= this.to) this.playing = false;
+      if (this.time >= this.to) this.atEnd();
       else this.frame = requestAnimationFrame(frame);
       this.changed();
     };
     this.frame = requestAnimationFrame(frame);
     this.changed();
+  }
+
+  atEnd() {
+    this.playing = false;
   }
 
   pause() {

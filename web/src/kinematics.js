@@ -53,6 +53,14 @@ export class Kinematics {
     this.movable = joints.filter((joint) => joint.type !== "fixed");
     this.tip = joints.length ? joints[joints.length - 1].child : this.links[0];
     this.#order(joints);
+    this.reach = this.#lengthTo(this.tip, joints);
+  }
+
+  /// From the root to a link along its joints.
+  #lengthTo(link, joints) {
+    const joint = joints.find(({ child }) => child === link);
+    if (!joint) return 0;
+    return Math.hypot(...(joint.position ?? [0, 0, 0])) + this.#lengthTo(joint.parent, joints);
   }
 
   /// From the root outwards.

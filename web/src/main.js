@@ -1,75 +1,41 @@
 // The interactive part of a report: plots of its runs and the robot that made them.
 
-import { Chooser } from "./chooser.js";
 import { Clock } from "./clock.js";
 import { make } from "./element.js";
 import { carriedOver, firstLayout } from "./layout.js";
-import { readPalette, watchScheme } from "./palette.js";
-import { Plots } from "./plots.js";
-import { RobotView } from "./robot_view.js";
 import { Run } from "./run.js";
-import { Transport } from "./transport.js";
+import { failure, makeHelp, Stage } from "./stage.js";
+
+const kKeys = [
+  ["drag in a plot", "zooms all plots to that time"],
+  ["double click", "shows all again"],
+  ["click in a plot", "goes to that time"],
+  ["space", "plays and pauses"],
+  ["← → in a plot", "move the time, with Shift in larger steps"],
+  ["+ − 0 in a plot", "zoom in, zoom out, show all"],
+  ["drag in the 3-D view", "turns it; with the right button moves it"],
+  ["wheel in the 3-D view", "zooms, after a click in it"],
+];
 
 class Replay {
   constructor(root, page) {
-    this.root = root;
     this.page = page;
     this.loaded = page.runs.map(() => null);
-    this.palette = readPalette();
-    this.clock = new Clock(() => this.#timeChanged());
-    this.transport = new Transport(this.clock);
-    this.chooser = new Chooser((layout) => this.#setLayout(layout));
-    this.panels = make("div", { class: "plots" });
-    this.plots = new Plots({
-      root: this.panels,
+    this.clock = new Clock(() => this.stage?.timeChanged());
+    this.stage = new Stage({
+      root,
+      robot: page.robot,
       clock: this.clock,
-      onClose: (names) =>
-        this.#setLayout(this.layout.filter((plot) => !plot.some((name) => names.includes(name)))),
-      onZoom: (zoom) => (this.all.disabled = !zoom),
-      onPoint: (text) => (this.pointer.textContent = text),
+      onSpace: () => this.clock.toggle(),
     });
-    this.note = make("p", { class: "quiet" });
     this.alert = make("p", { role: "alert", hidden: true });
-    this.#build();
-    watchScheme(() => this.#recolour());
-    document.addEventListener("keydown", (event) => this.#key(event));
-    new IntersectionObserver(([entry]) => (this.inSight = entry.isIntersecting)).observe(root);
-  }
-
-  // ---- the page --------------------------------------------------------------------------------
-
-  #build() {
-    this.signals = make(
-      "button",
-      {
-        type: "button",
-        "aria-expanded": "false",
-        "aria-controls": this.chooser.element.id,
-        onclick: () => {
-          this.chooser.element.hidden = !this.chooser.element.hidden;
-          this.signals.setAttribute("aria-expanded", String(!this.chooser.element.hidden));
-          if (!this.chooser.element.hidden) this.chooser.search.focus();
-        },
-      },
-      "Signals",
-    );
-    this.all = make(
-      "button",
-      { type: "button", disabled: true, onclick: () => this.plots.zoomTo(null) },
-      "Show all",
-    );
-    this.pointer = make("span", { class: "pointer", "aria-hidden": "true" });
-    const tools = make("div", { class: "tools" }, this.signals, this.all, this.pointer);
-    const left = make("div", { class: "left" }, tools, this.chooser.element, this.panels);
-    const right = make("div", { class: "right" }, this.#makeView(), this.transport.element);
-    this.stage = make("div", { class: "stage", id: "replay-stage" }, right, left);
-    this.root.append(
+    root.append(
       make("h2", {}, "Replay"),
       ...this.#makeTabs(),
       this.alert,
-      this.stage,
-      this.note,
-      makeHelp(),
+      this.stage.element,
+      this.stage.note,
+      makeHelp(kKeys),
     );
   }
 
@@ -109,63 +75,6 @@ class Replay {
     ];
   }
 
-  #makeView() {
-    const frame = make("div", { class: "view" });
-    const { robot } = this.page;
-    if (!robot?.links?.length) {
-      frame.hidden = true;
-      return frame;
-    }
-    const canvas = make("canvas", {
-      tabindex: 0,
-      role: "img",
-      "aria-label": "The robot in 3-D. Arrow keys turn the view, plus and minus zoom, 0 resets it.",
-    });
-    frame.append(canvas);
-    try {
-      this.view = new RobotView(robot, canvas);
-    } catch (error) {
-      this.#noView(frame, error);
-      return frame;
-    }
-    this.forces = make("div", { class: "forces" });
-    const path = make(
-      "button",
-      {
-        type: "button",
-        "aria-pressed": "true",
-        title: "The path of the last link",
-        onclick: () => {
-          const shown = path.getAttribute("aria-pressed") !== "true";
-          path.setAttribute("aria-pressed", String(shown));
-          this.view.showTrace(shown);
-        },
-      },
-      "Path",
-    );
-    const reset = make(
-      "button",
-      { type: "button", onclick: () => this.view.resetCamera() },
-      "Reset view",
-    );
-    frame.append(this.forces, make("div", { class: "view-tools" }, path, reset));
-    new ResizeObserver(() => this.view?.resize()).observe(canvas);
-    return frame;
-  }
-
-  #noView(frame, error) {
-    this.view = null;
-    const reason = /webgl/i.test(error.message)
-      ? "The 3-D view needs WebGL, which this browser does not offer here."
-      : `The robot cannot be shown: ${error.message}.`;
-    frame.replaceChildren(
-      make("p", { class: "quiet", role: "note" }, `${reason} The plots work without it.`),
-    );
-    frame.classList.add("without");
-  }
-
-  // ---- a run -----------------------------------------------------------------------------------
-
   /// Shows a run, or says to the reader why not and leaves what is shown. The error goes on to the
   /// script that asked, or to the console.
   async select(index) {
@@ -197,72 +106,15 @@ class Replay {
       tab.setAttribute("aria-selected", String(i === index));
       tab.tabIndex = i === index ? 0 : -1;
     });
-    this.stage.setAttribute("role", this.tabs ? "tabpanel" : "group");
-    this.stage.setAttribute("aria-label", run.title || "Run");
-    const first = !this.shown;
-    this.shown = run;
+    const { stage } = this;
+    stage.element.setAttribute("role", this.tabs ? "tabpanel" : "group");
+    const first = !stage.shown;
     const wanted = run.description.plots ?? this.page.plots;
-    this.layout = first ? firstLayout(run, wanted) : carriedOver(this.layout, run, wanted);
-    this.note.textContent = noteOf(run);
-    this.#showPlots();
-    try {
-      this.view?.setRun(run, this.palette);
-    } catch (error) {
-      this.#noView(this.root.querySelector(".view"), error);
-    }
+    stage.note.textContent = noteOf(run);
+    stage.show(run, first ? firstLayout(run, wanted) : carriedOver(stage.layout, run, wanted));
     this.clock.setSpan(run.from, run.to);
     if (first) this.clock.seek(run.from);
     await new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn)));
-  }
-
-  #setLayout(layout) {
-    this.layout = layout;
-    this.#showPlots();
-  }
-
-  #showPlots() {
-    this.plots.show(this.shown, this.layout, this.palette);
-    this.chooser.show(this.shown, this.layout);
-  }
-
-  #recolour() {
-    this.palette = readPalette();
-    if (!this.shown) return;
-    this.#showPlots();
-    this.view?.setPalette(this.palette);
-  }
-
-  // ---- the time --------------------------------------------------------------------------------
-
-  #timeChanged() {
-    this.transport?.show();
-    if (!this.shown) return;
-    this.plots.showTime();
-    if (!this.view) return;
-    this.view.setTime(this.clock.time);
-    this.forces.replaceChildren(
-      ...this.view
-        .forces(this.clock.time)
-        .map(({ name, size }) =>
-          make(
-            "div",
-            {},
-            make("span", { class: "arrow", "aria-hidden": "true" }, "→"),
-            `${name} ${size}`,
-          ),
-        ),
-    );
-  }
-
-  /// Space plays and pauses, unless it means something where the focus is.
-  #key(event) {
-    if (event.key !== " " || event.ctrlKey || event.metaKey || event.altKey) return;
-    if (event.target.closest?.("input:not([type=range]), select, textarea, button, a, summary"))
-      return;
-    if (!this.inSight || (event.target !== document.body && !this.root.contains(event.target)))
-      return;
-    event.preventDefault();
-    this.clock.toggle();
   }
 }
 
@@ -274,33 +126,6 @@ function noteOf(run) {
     `${rows ?? run.times.length} rows. ${shown}${shown && !shown.endsWith(".") ? "." : ""} ` +
     `Values are rounded to 1/${share} of what their signal spans.`
   );
-}
-
-function makeHelp() {
-  const keys = [
-    ["drag in a plot", "zooms all plots to that time"],
-    ["double click", "shows all again"],
-    ["click in a plot", "goes to that time"],
-    ["space", "plays and pauses"],
-    ["← → in a plot", "move the time, with Shift in larger steps"],
-    ["+ − 0 in a plot", "zoom in, zoom out, show all"],
-    ["drag in the 3-D view", "turns it; with the right button moves it"],
-    ["wheel in the 3-D view", "zooms, after a click in it"],
-  ];
-  return make(
-    "details",
-    { class: "help" },
-    make("summary", {}, "Mouse and keys"),
-    make(
-      "dl",
-      {},
-      ...keys.map(([key, act]) => make("div", {}, make("dt", {}, key), make("dd", {}, act))),
-    ),
-  );
-}
-
-function failure(what, error) {
-  return `${what} cannot be shown: ${error.message.replace(/\.$/, "")}.`;
 }
 
 // ---- start -------------------------------------------------------------------------------------

@@ -12,7 +12,8 @@ export function valueText(value, greatest, whole) {
   if (whole && greatest < 1e7) return sign + String(size);
   if (greatest >= 1e5 || greatest < 1e-4)
     return sign + size.toExponential(2).replace("e+", "e").replace("e-", `e${kMinus}`);
-  return sign + size.toFixed(Math.max(3 - Math.floor(Math.log10(greatest)), 0));
+  const text = size.toFixed(Math.max(3 - Math.floor(Math.log10(greatest)), 0));
+  return Number(text) ? sign + text : text;
 }
 
 /// Seconds with as many digits as the span of the run asks for.

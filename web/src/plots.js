@@ -8,11 +8,12 @@ import { timeText, valueText } from "./number.js";
 import { curveStyle } from "./palette.js";
 
 const kFont = "12px system-ui, sans-serif";
-const kAxisWidth = 62;
+const kAxisWidth = 70;
 const kTimeAxisHeight = 44;
 const kHeight = 172;
 const kLineWidth = 1.4;
 const kClickReach = 4; // pixels: what moves further is a drag
+const kFlat = 1e-12; // values that differ by less are the same
 const kClose = "M4 4l8 8M12 4l-8 8";
 
 /// A plot of `names`: its legend, which shows the values at the cursor or at the time, and below it
@@ -114,6 +115,7 @@ class Plot {
           else this.hidden.delete(column.name);
           button.setAttribute("aria-pressed", String(shown()));
           this.chart.setSeries(this.columns.indexOf(column) + 1, { show: shown() });
+          this.plots.onHide?.();
         },
       },
       sample,
@@ -138,11 +140,18 @@ class Plot {
     this.chart?.destroy();
     this.canvas.replaceChildren();
     this.makeLegend();
-    const data = [this.run.times, ...this.columns.map((column) => withGaps(column.values))];
-    this.chart = new uPlot(this.#options(width), data, this.canvas);
+    this.chart = new uPlot(this.#options(width), this.data(), this.canvas);
     this.chart.over.append(this.now);
     this.#listen();
     this.showTime();
+  }
+
+  data() {
+    const rows = this.run.rowsFor(...this.plots.window);
+    return [
+      this.run.times.subarray(...rows),
+      ...this.columns.map((column) => withGaps(column.values.subarray(...rows))),
+    ];
   }
 
   #options(width) {
@@ -174,7 +183,7 @@ class Plot {
       legend: { show: false },
       scales: {
         x: { time: false },
-        ...Object.fromEntries(this.units.map((_, i) => [`unit${i}`, {}])),
+        ...Object.fromEntries(this.units.map((_, i) => [`unit${i}`, { range: spanOfValues }])),
       },
       series: [
         {},
@@ -212,7 +221,7 @@ class Plot {
           setSeries: false,
           filters: { pub: (type) => type === "mousemove" || type === "mouseleave" },
         },
-        bind: { dblclick: () => () => this.plots.zoomTo(null) },
+        bind: { dblclick: () => () => this.plots.zoomTo(null, true) },
       },
       hooks: {
         drawClear: [(chart) => this.#drawBands(chart)],
@@ -286,10 +295,11 @@ class Plot {
 }
 
 /// All plots of a run, in `root`. `onClose` is told the names in a plot that is taken away,
-/// `onZoom` whether less than all is seen.
+/// `onZoom` whether less than all is seen and whether a hand in a plot has wanted so, `onHide` that a
+/// curve is hidden or shown again.
 export class Plots {
-  constructor({ root, clock, onClose, onZoom, onPoint }) {
-    Object.assign(this, { root, clock, onClose, onZoom, onPoint });
+  constructor({ root, clock, onClose, onZoom, onPoint, onHide }) {
+    Object.assign(this, { root, clock, onClose, onZoom, onPoint, onHide });
     this.plots = [];
     this.hidden = new Set();
     this.zoom = null;
@@ -344,26 +354,41 @@ export class Plots {
   /// One plot has another scale now: so have all.
   zoomed(chart) {
     const { min, max } = chart.scales.x;
-    if (!this.sharing && min != null) this.zoomTo([min, max]);
+    if (!this.sharing && min != null) this.zoomTo([min, max], true);
   }
 
   /// null: all of the run.
-  zoomTo(zoom) {
+  zoomTo(zoom, byHand = false) {
     const { from, to } = this.run;
     if (zoom) zoom = [Math.max(zoom[0], from), Math.min(zoom[1], to)];
     const least = 4 * ((to - from) / Math.max(this.run.times.length, 4));
     if (zoom && !(zoom[1] - zoom[0] >= Math.min(least, to - from))) zoom = this.zoom;
     if (zoom && zoom[0] <= from && zoom[1] >= to) zoom = null;
+    this.#setWindow(zoom, true);
+    this.onZoom(zoom, byHand);
+  }
+
+  /// Shows a window of a run that goes on, which may reach beyond its last row.
+  follow(window) {
+    this.#setWindow(window, false);
+  }
+
+  /// Shows the rows that have come.
+  refresh() {
+    this.#setWindow(this.zoom, false);
+  }
+
+  #setWindow(zoom, unselect) {
     this.zoom = zoom;
     const [min, max] = this.window;
     this.sharing = true;
-    for (const { chart } of this.plots)
-      chart.batch(() => {
-        chart.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
-        chart.setScale("x", { min, max: max > min ? max : min + 1 });
+    for (const plot of this.plots)
+      plot.chart.batch(() => {
+        if (unselect) plot.chart.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
+        if (this.run.grows) plot.chart.setData(plot.data(), false);
+        plot.chart.setScale("x", { min, max: max > min ? max : min + 1 });
       });
     this.sharing = false;
-    this.onZoom(zoom);
   }
 
   /// Narrower by `factor` about the time, if that is seen, or else about the middle.
@@ -371,7 +396,7 @@ export class Plots {
     const [min, max] = this.window;
     const { time } = this.clock;
     const about = time >= min && time <= max ? time : (min + max) / 2;
-    this.zoomTo([about - (about - min) / factor, about + (max - about) / factor]);
+    this.zoomTo([about - (about - min) / factor, about + (max - about) / factor], true);
   }
 
   key(event, plot) {
@@ -386,13 +411,21 @@ export class Plots {
       "+": () => this.zoomBy(1.5),
       "=": () => this.zoomBy(1.5),
       "-": () => this.zoomBy(1 / 1.5),
-      0: () => this.zoomTo(null),
-      Escape: () => this.zoomTo(null),
+      0: () => this.zoomTo(null, true),
+      Escape: () => this.zoomTo(null, true),
     };
     if (!acts[event.key]) return;
     acts[event.key]();
     event.preventDefault();
   }
+}
+
+/// What an axis spans; about values that do not differ it is a little wider than they are.
+function spanOfValues(chart, least, greatest) {
+  if (least === null) return [null, null];
+  if (greatest - least > kFlat) return uPlot.rangeNum(least, greatest, 0.1, true);
+  const around = Math.max(0.1 * Math.abs(least), 1e-3);
+  return [least - around, greatest + around];
 }
 
 /// uPlot leaves a gap at null, not at NaN.

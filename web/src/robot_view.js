@@ -8,7 +8,6 @@ import {
   BufferGeometry,
   CapsuleGeometry,
   Color,
-  ConeGeometry,
   CylinderGeometry,
   DirectionalLight,
   GridHelper,
@@ -29,12 +28,15 @@ import {
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 
+import { alongZ, Arrow } from "./arrow.js";
 import { Kinematics, transform } from "./kinematics.js";
 
 const kUp = new Vector3(0, 0, 1);
 const kTraceRows = 1500;
 const kDirection = new Vector3(1, -1.15, 0.62).normalize();
 const kFieldOfView = 32; // degrees, upwards
+const kLiveRoom = 0.85; // of the arm's length
+const kLiveForce = 25; // [N]
 
 export class RobotView {
   /// Throws where there is no WebGL.
@@ -47,7 +49,7 @@ export class RobotView {
     this.camera.up.copy(kUp);
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.enableZoom = false; // until the view is clicked: the wheel belongs to the page
-    this.controls.addEventListener("change", () => this.#draw());
+    this.controls.addEventListener("change", () => this.draw());
     this.scene = new Scene();
     this.scene.add(new HemisphereLight(0xffffff, 0x8a8f98, 1.6), new AmbientLight(0xffffff, 0.25));
     const sun = new DirectionalLight(0xffffff, 1.9);
@@ -57,6 +59,7 @@ export class RobotView {
     this.scene.add(sun, fill);
     this.links = new Map();
     for (const link of robot.links) this.#addLink(link);
+    this.frames = robot.frames ?? [];
     this.#addJointsOfBareLinks(robot);
     this.arrows = [];
     this.spent = new Set();
@@ -112,10 +115,9 @@ export class RobotView {
     this.axes.setColors(palette.vermillion, palette.green, palette.blue);
     this.axes.position.z = 0.002 * size;
     this.scene.add(this.ground, this.axes);
-    this.trail?.material.color.set(palette.blue);
-    this.whole?.material.color.set(palette.grey);
+    this.#colourTrace();
     for (const arrow of this.arrows) arrow.material.color.set(palette.vermillion);
-    this.#draw();
+    this.draw();
   }
 
   // ---- a run -----------------------------------------------------------------------------------
@@ -132,49 +134,51 @@ export class RobotView {
       );
     const first = this.size === undefined;
     this.#measure();
-    this.#trace();
+    this.trace();
     this.#makeArrows();
     this.setPalette(palette);
     if (first) this.resetCamera();
     this.setTime(run.from);
   }
 
-  #poses(t) {
+  /// Of all links, by name.
+  poses(t) {
     return this.kinematics.poses(this.angles.map((column) => this.run.between(column, t)));
   }
 
-  /// A box around the origins of the links over the run, and with it the size of the scene.
+  /// A box around the origins of the links over the run, and with it the size of the scene. An arm
+  /// that may still go anywhere has room to.
   #measure() {
     const low = new Vector3(Infinity, Infinity, Infinity);
     const high = low.clone().negate();
     for (let k = 0; k <= 40; ++k) {
       const t = this.run.from + (k / 40) * (this.run.to - this.run.from);
-      for (const matrix of this.#poses(t).values()) {
+      for (const matrix of this.poses(t).values()) {
         const origin = new Vector3(matrix[12], matrix[13], matrix[14]);
         low.min(origin);
         high.max(origin);
       }
     }
     this.centre = low.clone().add(high).multiplyScalar(0.5);
-    this.size = Math.max(1.15 * high.distanceTo(low), 0.2);
+    const room = this.run.grows ? kLiveRoom * this.kinematics.reach : 0;
+    this.size = Math.max(1.15 * high.distanceTo(low), room, 0.2);
   }
 
-  #trace() {
+  /// The path of the tip between two times.
+  trace(from = this.run.from, to = this.run.to) {
     this.#discard(this.whole, this.trail);
-    const rows = this.run.times.length;
+    const first = Math.max(this.run.rowAt(from), 0);
+    const rows = this.run.rowAt(to) + 1 - first;
     const count = Math.min(rows, kTraceRows);
-    const points = new Float32Array(3 * count);
-    this.traceTimes = new Float64Array(count);
-    for (let k = 0; k < count; ++k) {
-      const row = count > 1 ? Math.round((k * (rows - 1)) / (count - 1)) : 0;
-      this.traceTimes[k] = this.run.times[row];
-      const matrix = this.#poses(this.run.times[row]).get(this.kinematics.tip);
-      points.set(matrix.slice(12, 15), 3 * k);
-    }
+    this.points = new Float32Array(3 * (this.run.grows ? 2 * kTraceRows : count));
+    this.traceTimes = [];
+    for (let k = 0; k < count; ++k)
+      this.#addToTrace(first + (count > 1 ? Math.round((k * (rows - 1)) / (count - 1)) : 0));
+    this.traceFrom = from;
     const line = (opacity) => {
       const geometry = new BufferGeometry().setAttribute(
         "position",
-        new BufferAttribute(points, 3),
+        new BufferAttribute(this.points, 3),
       );
       const material = new LineBasicMaterial({ transparent: true, opacity });
       const made = new Line(geometry, material);
@@ -184,74 +188,135 @@ export class RobotView {
     };
     this.whole = line(0.45);
     this.trail = line(1);
+    this.#colourTrace();
     this.showTrace(this.traceShown ?? true);
+  }
+
+  #addToTrace(row) {
+    const matrix = this.poses(this.run.times[row]).get(this.kinematics.tip);
+    this.points.set(matrix.slice(12, 15), 3 * this.traceTimes.length);
+    this.traceTimes.push(this.run.times[row]);
+  }
+
+  /// The path goes on to the last row, and begins at `from`.
+  extendTrace(from) {
+    const { times } = this.run;
+    const last = this.traceTimes.at(-1) ?? -Infinity;
+    const apart = (this.run.to - from) / kTraceRows;
+    for (let row = this.run.rowAt(last) + 1; row < times.length; ++row) {
+      if (times[row] < from || times[row] - (this.traceTimes.at(-1) ?? -Infinity) < apart) continue;
+      if (3 * this.traceTimes.length === this.points.length) {
+        const half = kTraceRows;
+        this.points.copyWithin(0, 3 * half);
+        this.traceTimes.splice(0, half);
+      }
+      this.#addToTrace(row);
+    }
+    this.traceFrom = from;
+    for (const one of [this.whole, this.trail]) one.geometry.attributes.position.needsUpdate = true;
+  }
+
+  #rangeOfTrace(to) {
+    const begin = this.traceTimes.findIndex((time) => time >= this.traceFrom);
+    if (begin < 0) return [0, 0];
+    let end = begin;
+    while (end < this.traceTimes.length && this.traceTimes[end] <= to) ++end;
+    return [begin, end - begin];
+  }
+
+  #colourTrace() {
+    if (!this.palette) return;
+    this.trail?.material.color.set(this.palette.blue);
+    this.whole?.material.color.set(this.palette.grey);
   }
 
   showTrace(shown) {
     this.traceShown = shown;
     if (this.whole) this.whole.visible = this.trail.visible = shown;
-    this.#draw();
+    this.draw();
   }
 
   #makeArrows() {
     this.#discard(...this.arrows.map((arrow) => arrow.group));
-    this.arrows = (this.run.description.forces ?? []).map(({ link, point, columns }) => {
-      if (!this.links.has(link)) throw new Error(`a force acts on “${link}”, no link of the robot`);
-      const found = columns.map((name) => this.run.byName.get(name));
-      if (found.includes(undefined) || found.length !== 3)
-        throw new Error(`the force on “${link}” needs three columns: ${columns.join(", ")}`);
-      const material = new MeshPhongMaterial({ specular: 0x1c1c1c, shininess: 30 });
-      const shaft = new Mesh(alongZ(new CylinderGeometry(1, 1, 1, 20)), material);
-      const head = new Mesh(alongZ(new ConeGeometry(1, 1, 24)), material);
-      const group = new Group();
-      group.add(shaft, head);
-      this.scene.add(group);
-      return { link, point: point ?? [0, 0, 0], columns: found, material, shaft, head, group };
+    const forces = this.run.description.forces ?? [];
+    if (forces.length) this.#checkFrames();
+    this.arrows = forces.map(({ name, link, point, force }) => {
+      const columnOf = (column) => {
+        const found = this.run.byName.get(column);
+        if (!found) throw new Error(`the force “${name}” needs a column “${column}”`);
+        return found;
+      };
+      return Object.assign(new Arrow(this.scene), {
+        name,
+        link: columnOf(link),
+        point: point.map(columnOf),
+        force: force.map(columnOf),
+      });
     });
-    const squares = this.arrows.map(({ columns }) =>
-      columns.reduce((sum, column) => sum + column.greatest ** 2, 0),
-    );
-    this.greatestForce = Math.sqrt(Math.max(...squares, 0));
   }
 
-  /// Tip at the point where the force acts: it pushes.
+  #checkFrames() {
+    if (!this.frames.length) throw new Error("forces act on links, but the robot has no “frames”");
+    const unknown = this.frames.find((name) => !this.links.has(name));
+    if (unknown) throw new Error(`the frame “${unknown}” is no link of the robot`);
+  }
+
+  /// A frame on the same body as a link, so that forces can act on it; undefined if there is none.
+  frameOn(link) {
+    if (this.frames.includes(link)) return link;
+    const hangs = ({ type, parent, child }) =>
+      type === "fixed" && parent === link && this.frames.includes(child);
+    return this.kinematics.joints.find(({ joint }) => hangs(joint))?.joint.child;
+  }
+
+  /// Of all forces, over the run; of a run that goes on it is at least one that a hand makes.
+  get greatestForce() {
+    const squares = this.arrows.map(({ force }) =>
+      force.reduce((sum, column) => sum + column.greatest ** 2, 0),
+    );
+    return Math.max(Math.sqrt(Math.max(...squares, 0)), this.run.grows ? kLiveForce : 0);
+  }
+
+  #vectorAt(columns, t) {
+    return new Vector3(...columns.map((column) => this.run.valueAt(column, t) || 0));
+  }
+
   #poseArrow(arrow, poses, t) {
-    const force = new Vector3(...arrow.columns.map((column) => this.run.valueAt(column, t) || 0));
-    const size = force.length();
-    arrow.group.visible = size > 2e-3 * this.greatestForce;
-    if (!arrow.group.visible) return;
-    const width = 0.011 * this.size;
-    const length = Math.max((0.32 * this.size * size) / this.greatestForce, 0.02 * this.size);
-    const head = Math.min(5 * width, 0.6 * length);
-    arrow.shaft.scale.set(width, width, length - head);
-    arrow.shaft.position.z = -head - (length - head) / 2;
-    arrow.head.scale.set(2.4 * width, 2.4 * width, head);
-    arrow.head.position.z = -head / 2;
-    arrow.group.position.fromArray(transform(poses.get(arrow.link), arrow.point));
-    arrow.group.quaternion.copy(new Quaternion().setFromUnitVectors(kUp, force.normalize()));
+    const link = this.frames[this.run.valueAt(arrow.link, t)];
+    const force = this.#vectorAt(arrow.force, t);
+    const greatest = this.greatestForce;
+    arrow.group.visible = false;
+    if (!link || !(force.length() > 2e-3 * greatest) || this.muted?.(arrow.name)) return;
+    const tip = transform(poses.get(link), this.#vectorAt(arrow.point, t).toArray());
+    this.poseForce(arrow, tip, force, greatest);
+  }
+
+  /// As long as the force is great.
+  poseForce(arrow, tip, force, greatest = this.greatestForce) {
+    const length = Math.max((0.32 * this.size * force.length()) / greatest, 0.02 * this.size);
+    arrow.pose(tip, force, length, 0.011 * this.size);
   }
 
   setTime(t) {
-    const poses = this.#poses(t);
+    const poses = this.poses(t);
     for (const [name, group] of this.links) {
       group.matrix.fromArray(poses.get(name));
       group.matrixWorldNeedsUpdate = true;
     }
     for (const arrow of this.arrows) this.#poseArrow(arrow, poses, t);
-    let past = 0;
-    while (past < this.traceTimes.length && this.traceTimes[past] <= t) ++past;
-    this.trail.geometry.setDrawRange(0, past);
-    this.#draw();
+    this.trail.geometry.setDrawRange(...this.#rangeOfTrace(t));
+    this.whole.geometry.setDrawRange(...this.#rangeOfTrace(Infinity));
+    this.draw();
   }
 
   /// The forces that act: [{name, size}], as text.
   forces(t) {
     return this.arrows
       .filter((arrow) => arrow.group.visible)
-      .map(({ columns }) => {
-        const size = Math.hypot(...columns.map((column) => this.run.valueAt(column, t) || 0));
-        return { name: columns[0].path, size: `${size.toFixed(1)} N` };
-      });
+      .map(({ name, force }) => ({
+        name,
+        size: `${this.#vectorAt(force, t).length().toFixed(1)} N`,
+      }));
   }
 
   // ---- the camera ------------------------------------------------------------------------------
@@ -266,7 +331,7 @@ export class RobotView {
     this.controls.maxDistance = 12 * this.size;
     this.#fit();
     this.controls.update();
-    this.#draw();
+    this.draw();
   }
 
   /// What fits the height of a wide view fits the width of a narrow one.
@@ -283,7 +348,7 @@ export class RobotView {
 
   resize() {
     this.#fit();
-    this.#draw();
+    this.draw();
   }
 
   turn(across, up) {
@@ -328,10 +393,10 @@ export class RobotView {
       acts[event.key]();
       event.preventDefault();
     });
-    canvas.addEventListener("webglcontextrestored", () => this.#draw());
+    canvas.addEventListener("webglcontextrestored", () => this.draw());
   }
 
-  #draw() {
+  draw() {
     if (this.drawing || !this.run) return;
     this.drawing = true;
     requestAnimationFrame(() => {
@@ -355,11 +420,6 @@ export class RobotView {
 }
 
 // ---- shapes ------------------------------------------------------------------------------------
-
-/// Cylinders, capsules and cones of three lie along y, those of a robot along z.
-function alongZ(geometry) {
-  return geometry.rotateX(Math.PI / 2);
-}
 
 /// The length of a capsule is that of the cylinder between its caps.
 function geometryOf({ shape, radius, length, size }) {

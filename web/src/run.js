@@ -14,7 +14,7 @@ export class Run {
       throw new Error(
         `${columns.length} columns of data for ${description.columns.length} names of columns`,
       );
-    return new Run(description, columns);
+    return new this(description, columns);
   }
 
   constructor(description, columns) {
@@ -68,6 +68,11 @@ export class Run {
       else high = middle;
     }
     return low - 1;
+  }
+
+  /// The rows that a plot from one time to another needs: [first, one past the last].
+  rowsFor() {
+    return [0, this.times.length];
   }
 
   /// As recorded at or before t.

@@ -47,11 +47,11 @@ export class Transport {
   show() {
     const { clock } = this;
     const span = clock.to - clock.from;
-    if (this.playing !== clock.playing) {
-      this.playing = clock.playing;
-      this.button.replaceChildren(icon(clock.playing ? kPause : kPlay));
-      this.button.setAttribute("aria-label", clock.playing ? "Pause" : "Play");
-      this.button.title = clock.playing ? "Pause (space)" : "Play (space)";
+    if (this.moving !== clock.moving) {
+      this.moving = clock.moving;
+      this.button.replaceChildren(icon(this.moving ? kPause : kPlay));
+      this.button.setAttribute("aria-label", this.moving ? "Pause" : "Play");
+      this.button.title = this.moving ? "Pause (space)" : "Play (space)";
     }
     this.slider.value = span > 0 ? Math.round(((clock.time - clock.from) / span) * kSteps) : 0;
     const now = timeText(clock.time, span);

@@ -135,7 +135,7 @@ await test("a click in a plot seeks, and the robot moves", async () => {
 
 await test("the force is shown while it acts", async () => {
   await seek(page, 1.25);
-  assert.equal(await page.locator("#replay .forces").innerText(), "→push_1.force.force 29.7 N");
+  assert.equal(await page.locator("#replay .forces").innerText(), "→push_1.force 29.7 N");
   await seek(page, 3);
   assert.equal(await page.locator("#replay .forces").innerText(), "");
 });
@@ -358,6 +358,47 @@ await test("without scripts the section is not there", async () => {
   await page.getByText("The text goes on below the replay.").waitFor();
   assert.ok(await page.locator("#replay").isHidden());
   await close();
+});
+
+await test("a force acts on the link that its column names", async () => {
+  const swapped = sample.replace(
+    '"frames":["base_link","shoulder_link","upper_link","elbow_link","forearm_link"',
+    '"frames":["base_link","shoulder_link","upper_link","forearm_link","elbow_link"',
+  );
+  assert.notEqual(swapped, sample);
+  const pictures = [];
+  for (const text of [sample, swapped]) {
+    const { page, close } = await open(browser, written("frames.html", text), { viewport: kWide });
+    await ready(page);
+    await seek(page, 1.25);
+    pictures.push(await view(page));
+    await close();
+  }
+  assert.ok(!pictures[0].equals(pictures[1]), "the arrow is at the same place");
+});
+
+await test("a robot that does not say where forces act is not shown, and why", async () => {
+  const fails = async (text, said) => {
+    const { page, close } = await open(browser, written("forces.html", text));
+    await ready(page);
+    assert.equal(
+      await page.getByRole("note").innerText(),
+      `The robot cannot be shown: ${said}. The plots work without it.`,
+    );
+    await close();
+  };
+  await fails(
+    sample.replace('"frames":[', '"others":['),
+    "forces act on links, but the robot has no “frames”",
+  );
+  await fails(
+    sample.replace('"frames":["base_link"', '"frames":["nowhere"'),
+    "the frame “nowhere” is no link of the robot",
+  );
+  await fails(
+    sample.replace('"link":"push_1.force.link"', '"link":"push_1.link"'),
+    "the force “push_1.force” needs a column “push_1.link”",
+  );
 });
 
 await test("a page without the data of its run says so", async () => {

@@ -14,7 +14,7 @@ const made = join(root, "dist");
 rmSync(made, { recursive: true, force: true });
 execFileSync(process.execPath, [join(root, "build.mjs"), made], { stdio: "inherit" });
 
-const names = ["LICENSES.txt", "replay.css", "replay.js"];
+const names = ["LICENSES.txt", "live.css", "live.js", "replay.css", "replay.js"];
 assert.deepEqual(readdirSync(dist).sort(), names);
 assert.deepEqual(readdirSync(made).sort(), names);
 for (const name of names)

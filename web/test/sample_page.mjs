@@ -70,6 +70,9 @@ function runOf(title, data, seconds, stiffness) {
       t < 0.05 ? NaN : push(t) * 0.2 * Math.cos(j) + 0.3 * random(),
     ),
   );
+  add("push_1.force.link", "", "", (t) => (push(t) > 0 ? kFrames.indexOf("forearm_link") : -1));
+  for (const axis of ["x", "y", "z"])
+    add("push_1.force.point", axis, "m", () => ({ x: 0, y: 0, z: 0.1 })[axis]);
   for (const axis of ["x", "y", "z"])
     add("push_1.force.force", axis, "N", (t) => push(t) * { x: -0.4, y: 0.9, z: 0.1 }[axis]);
   for (const axis of ["x", "y", "z"])
@@ -86,9 +89,10 @@ function runOf(title, data, seconds, stiffness) {
       joints: joints.map((joint) => `arm.measured_position[${joint}]`),
       forces: [
         {
-          link: "forearm_link",
-          point: [0, 0, 0.1],
-          columns: ["x", "y", "z"].map((axis) => `push_1.force.force[${axis}]`),
+          name: "push_1.force",
+          link: "push_1.force.link",
+          point: ["x", "y", "z"].map((axis) => `push_1.force.point[${axis}]`),
+          force: ["x", "y", "z"].map((axis) => `push_1.force.force[${axis}]`),
         },
       ],
       bands: [{ from: 0.5, to: 2, label: "push_1" }],
@@ -97,23 +101,24 @@ function runOf(title, data, seconds, stiffness) {
   };
 }
 
+const kFrames = [
+  "base_link",
+  "shoulder_link",
+  "upper_link",
+  "elbow_link",
+  "forearm_link",
+  "wrist_link",
+  "hand_link",
+  "tool_link",
+];
+
 const kHalf = Math.SQRT1_2;
 
 function robot() {
-  const names = [
-    "base_link",
-    "shoulder_link",
-    "upper_link",
-    "elbow_link",
-    "forearm_link",
-    "wrist_link",
-    "hand_link",
-    "tool_link",
-  ];
   const lengths = [0.16, 0.13, 0.21, 0.21, 0.21, 0.12, 0.11, 0.12];
   const light = [0.86, 0.87, 0.88];
   const dark = [0.32, 0.34, 0.37];
-  const links = names.map((name, i) => ({
+  const links = kFrames.map((name, i) => ({
     name,
     visuals: [
       {
@@ -136,9 +141,9 @@ function robot() {
   links[7].visuals = [
     { shape: "capsule", radius: 0.025, length: 0.06, position: [0, 0, 0.05], color: light },
   ];
-  const joints = names.slice(1).map((child, i) => ({
+  const joints = kFrames.slice(1).map((child, i) => ({
     name: `joint_${i + 1}`,
-    parent: names[i],
+    parent: kFrames[i],
     child,
     type: i % 2 ? "revolute" : "continuous",
     axis: i % 2 ? [0, 1, 0] : [0, 0, 1],
@@ -154,7 +159,7 @@ function robot() {
     rotation: [kHalf, 0, kHalf, 0],
   });
   links.push({ name: "flange_link", visuals: [] });
-  return { links, joints: [joints.pop(), ...joints] };
+  return { links, joints: [joints.pop(), ...joints], frames: kFrames };
 }
 
 /// The page with what `folder` holds, dist/ as a rule.
@@ -163,10 +168,21 @@ export function samplePage(folder) {
     runOf("stiff, Γ = 0", "data-0", 6, 80),
     runOf("compliant in the null space, Γ = 0.8 I", "data-1", 4, 30),
   ];
+  return pageOf(folder, "replay", { runs });
+}
+
+/// The page of a run that goes on, of which one second has passed; and the columns of its rows.
+export function sampleLivePage(folder, live) {
+  const run = runOf(live.title, "data-0", 1, 80);
+  return { html: pageOf(folder, "live", { runs: [run], live }), columns: run.about.columns };
+}
+
+function pageOf(folder, bundle, { runs, live }) {
   const json = JSON.stringify({
     plots: [["arm.measured_position"], ["qp.torque"], ["momentum.external_torque"]],
     runs: runs.map((run) => run.about),
     robot: robot(),
+    live,
   });
   const read = (name) => readFileSync(join(folder, name), "utf8");
   return `<!DOCTYPE html>
@@ -185,8 +201,8 @@ export function samplePage(folder) {
 <p>The text goes on below the replay.</p>
 <script type="application/json" id="runs">${json.replaceAll("<", "\\u003c")}</script>
 ${runs.map((run) => `<script type="text/plain" id="${run.about.data}">${run.text}</script>`).join("\n")}
-<style>${read("replay.css")}</style>
-<script>${read("replay.js")}</script>
+<style>${read(`${bundle}.css`)}</style>
+<script>${read(`${bundle}.js`)}</script>
 </body>
 </html>
 `;
