@@ -37,9 +37,11 @@ struct Served {
   /// Waits for a condition, 10 s at most.
   template <class Condition>
   static bool Comes(const Condition& condition) {
-    for (int k = 0; k < 10'000 && !condition(); ++k)
+    for (int k = 0; k < 10'000; ++k) {
+      if (condition()) return true;
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    return condition();
+    }
+    return false;
   }
 
   std::atomic<std::size_t> message_bytes = 10;
