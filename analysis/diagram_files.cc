@@ -10,6 +10,12 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+const internal::Program& Graphviz() {
+  static const internal::Program dot{
+      .name = "dot", .task = "draws diagrams", .package = "graphviz"};
+  return dot;
+}
+
 void AddRates(const Rates& rates, Json& to) {
   to["rates"] = rates.texts();
   Json periods = Json::array();
@@ -54,8 +60,9 @@ std::string DiagramJson(const DiagramStructure& diagram, const PictureOptions& o
 }
 
 void DrawDiagram(const std::string& graphviz_text, const std::filesystem::path& svg) {
-  const internal::Program dot{.name = "dot", .task = "draws diagrams", .package = "graphviz"};
-  dot.Draw({.arguments = {"-Tsvg"}, .input = graphviz_text}, svg, "</svg>");
+  Graphviz().Draw({.arguments = {"-Tsvg"}, .input = graphviz_text}, svg, "</svg>");
 }
+
+void RequireGraphviz() { Graphviz().RequireThatItRuns({.arguments = {"-V"}}); }
 
 }  // namespace pliant

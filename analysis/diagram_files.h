@@ -15,4 +15,7 @@ std::string DiagramJson(const DiagramStructure& diagram, const PictureOptions& o
 /// an older file is left as it was.
 void DrawDiagram(const std::string& graphviz_text, const std::filesystem::path& svg);
 
+/// Throws Error unless DrawDiagram will find Graphviz.
+void RequireGraphviz();
+
 }  // namespace pliant

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "pliant/analysis/diagram_files.h"
 #include "pliant/analysis/figure.h"
 #include "pliant/apps/arm_check.h"
 #include "pliant/apps/arm_options.h"
@@ -30,12 +31,12 @@ struct Told {
 /// The first line of an error.
 std::string FirstLine(const std::string& text) { return text.substr(0, text.find('\n')); }
 
-Finding Gnuplot() {
+Finding TryProgram(const std::string& name, const std::string& package, void (*require)()) {
   try {
-    RequireGnuplot();
-    return CheckGnuplot("it runs", "");
+    require();
+    return CheckProgram(name, package, "");
   } catch (const Error& e) {
-    return CheckGnuplot("", FirstLine(e.what()));
+    return CheckProgram(name, package, FirstLine(e.what()));
   }
 }
 
@@ -53,7 +54,9 @@ int Examine(const Told& told) {
     address = told.arm.address();
     address->answer_limit = 2s;  // of one that starts or is another machine's port
   }
-  std::vector<Finding> findings{Gnuplot(), Shared("models", "models/gen3/gen3_7dof.urdf"),
+  std::vector<Finding> findings{TryProgram("gnuplot", "gnuplot-nox", RequireGnuplot),
+                                TryProgram("dot", "graphviz", RequireGraphviz),
+                                Shared("models", "models/gen3/gen3_7dof.urdf"),
                                 Shared("experiments", "experiments"),
                                 Shared("page of a report", "web/dist/replay.js"),
                                 CheckOutput(OutputAt(told.out))};

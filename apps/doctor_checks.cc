@@ -75,10 +75,11 @@ std::string Finding::text() const {
   return head + found + (way_out.empty() ? "" : "; " + way_out);
 }
 
-Finding CheckGnuplot(const std::string& version, const std::string& fault) {
-  if (fault.empty()) return {Verdict::Ok, "gnuplot", version};
-  return {Verdict::Missing, "gnuplot", fault,
-          "install the Debian package gnuplot-nox, or put gnuplot's folder on PATH"};
+Finding CheckProgram(const std::string& name, const std::string& package,
+                     const std::string& fault) {
+  if (fault.empty()) return {Verdict::Ok, name, "it runs"};
+  return {Verdict::Missing, name, fault,
+          "install the Debian package " + package + ", or put " + name + "'s folder on PATH"};
 }
 
 Finding CheckShared(const SharedFolder& folder) {

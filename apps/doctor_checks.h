@@ -75,7 +75,8 @@ struct ArmFacts {
 /// and for the way to the arm and back.
 inline constexpr double kLatestWake = 200e-6;
 
-Finding CheckGnuplot(const std::string& version, const std::string& fault);
+/// A program that draws, and the Debian package that has it.
+Finding CheckProgram(const std::string& name, const std::string& package, const std::string& fault);
 Finding CheckShared(const SharedFolder& folder);
 Finding CheckOutput(const OutputFolder& folder);
 

@@ -34,6 +34,10 @@ if(PLIANT_SANITIZE)
                                                   -fno-sanitize-recover=all)
   target_link_options(pliant_options INTERFACE -fsanitize=${PLIANT_SANITIZE})
 endif()
+if(PLIANT_COVERAGE)
+  target_compile_options(pliant_options INTERFACE --coverage -fprofile-update=atomic)
+  target_link_options(pliant_options INTERFACE --coverage)
+endif()
 
 # pliant_library(FOLDER HEADERS … SOURCES … PUBLIC … PRIVATE …): the library pliant::FOLDER.
 # HEADERS are installed; a header that is not listed is private to its folder. Libraries are shared, so

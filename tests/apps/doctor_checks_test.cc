@@ -123,9 +123,9 @@ TEST(Doctor, TakesAFrequencyThatNobodyChangesForSteady) {
   EXPECT_EQ(Of(facts, true, "frequency").verdict, Verdict::Ok);
 }
 
-TEST(Doctor, NeedsGnuplotAndTheSharedFiles) {
-  EXPECT_EQ(CheckGnuplot("it runs", "").verdict, Verdict::Ok);
-  EXPECT_EQ(CheckGnuplot("", "not found").text(),
+TEST(Doctor, NeedsProgramsThatDrawAndTheSharedFiles) {
+  EXPECT_EQ(CheckProgram("gnuplot", "gnuplot-nox", "").verdict, Verdict::Ok);
+  EXPECT_EQ(CheckProgram("gnuplot", "gnuplot-nox", "not found").text(),
             "missing  gnuplot           not found; install the Debian package gnuplot-nox, or put "
             "gnuplot's folder on PATH");
   EXPECT_EQ(CheckShared({"models", "/usr/share/pliant/models", ""}).verdict, Verdict::Ok);

@@ -12,7 +12,7 @@ class Doctor(InFolder):
         told = self.ends(0, "doctor")
         lines = told.splitlines()
         subjects = [line[9:27].strip() for line in lines]
-        self.assertEqual(subjects, ["gnuplot", "models", "experiments", "page of a report", "output",
+        self.assertEqual(subjects, ["gnuplot", "dot", "models", "experiments", "page of a report", "output",
                                     "SCHED_FIFO", "locked memory", "waking", "kernel", "frequency",
                                     "processors", "clock", "arm"])
         for line in lines:
@@ -29,6 +29,7 @@ class Doctor(InFolder):
 
     def test_misses_what_simulation_needs(self):
         self.assertIn("install the Debian package gnuplot-nox", self.missing("gnuplot", env={"PATH": ""}))
+        self.assertIn("install the Debian package graphviz", self.missing("dot", env={"PATH": ""}))
         environment = {**os.environ, "PLIANT_SHARE": "/none"}
         for subject in ("models", "experiments", "page of a report"):
             self.assertIn("set PLIANT_SHARE", self.missing(subject, env=environment))
