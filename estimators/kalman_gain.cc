@@ -49,9 +49,9 @@ SteadyKalman SteadyKalmanOf(const LinearModel& m, const NoiseCovariance& noise,
   std::vector<std::string> names;
   for (int i = 0; i < states.size(); ++i) names.push_back(states[i]);
   RequireDetectable(m.A, m.C, TimeDomain::Sampled, names);
-  const Reach moved = ReachOf(m.A, noise.process);
-  for (Index i = 0; i < moved.unmoved.size(); ++i)
-    if (Instability(moved.unmoved(i), TimeDomain::Sampled) >= -kAtTheEdge)
+  const Controllability moved = ControllabilityOf(m.A, noise.process);
+  for (Index i = 0; i < moved.uncontrollable_modes.size(); ++i)
+    if (Instability(moved.uncontrollable_modes(i), TimeDomain::Sampled) >= -kAtTheEdge)
       throw Error("no noise reaches a mode that does not die out: " + moved.text(i, names) +
                   "\ngive it process noise, or leave these states out");
   const Index n = m.A.rows();

@@ -32,39 +32,43 @@ std::string ModeText(std::complex<double> mode) {
   return Text(mode.real()) + " ± " + Text(std::abs(mode.imag())) + "i";
 }
 
-void RequireDyingOut(const Reach& reach, TimeDomain domain, const std::vector<std::string>& names,
-                     const std::string& nothing, const std::string& way_out) {
-  for (Index i = 0; i < reach.unmoved.size(); ++i)
-    if (Instability(reach.unmoved(i), domain) >= -kAtTheEdge)
+void RequireDyingOut(const Controllability& reach, TimeDomain domain,
+                     const std::vector<std::string>& names, const std::string& nothing,
+                     const std::string& way_out) {
+  for (Index i = 0; i < reach.uncontrollable_modes.size(); ++i)
+    if (Instability(reach.uncontrollable_modes(i), domain) >= -kAtTheEdge)
       throw Error(nothing + " a mode that does not die out: " + reach.text(i, names) + "\n" +
                   way_out);
 }
 
-bool DiesOut(const Reach& reach, TimeDomain domain) {
-  return std::ranges::all_of(reach.unmoved, [&](std::complex<double> mode) {
+bool DiesOut(const Controllability& reach, TimeDomain domain) {
+  return std::ranges::all_of(reach.uncontrollable_modes, [&](std::complex<double> mode) {
     return Instability(mode, domain) < -kAtTheEdge;
   });
 }
 
 }  // namespace
 
-std::string Reach::text(Index mode, const std::vector<std::string>& names) const {
+std::string Controllability::text(Index mode, const std::vector<std::string>& names) const {
   Require(names.empty() || static_cast<Index>(names.size()) == T.rows(),
           "names must be as many as the states, " + Text(T.rows()), names.size());
-  const VectorXcd& at = lean.col(mode);
+  const VectorXcd& at = left_eigenvectors.col(mode);
   const double largest = at.cwiseAbs().maxCoeff();
   std::string states;
   for (Index i = 0; i < at.size(); ++i)
     if (std::abs(at(i)) >= 0.1 * largest)
       states += (states.empty() ? "" : ", ") +
                 (names.empty() ? "x" + Text(i + 1) : names[static_cast<std::size_t>(i)]);
-  return "λ = " + ModeText(unmoved(mode)) + ", in " + states;
+  return "λ = " + ModeText(uncontrollable_modes(mode)) + ", in " + states;
 }
 
-Reach ReachOf(const MatrixXd& A, const MatrixXd& B, double tolerance) {
+Controllability ControllabilityOf(const MatrixXd& A, const MatrixXd& B, double tolerance) {
   Check(A, B, tolerance);
   const Index n = A.rows();
-  Reach reach{.size = 0, .T = MatrixXd::Identity(n, n), .unmoved = {}, .lean = {}};
+  Controllability reach{.size = 0,
+                        .T = MatrixXd::Identity(n, n),
+                        .uncontrollable_modes = {},
+                        .left_eigenvectors = {}};
   MatrixXd a = A, coupling = B;  // Tᵀ A T, and what moves the states that are not reached yet
   double scale = B.norm();
   while (reach.size < n && coupling.cols() > 0 && scale > 0) {
@@ -89,18 +93,18 @@ Reach ReachOf(const MatrixXd& A, const MatrixXd& B, double tolerance) {
   std::iota(order.begin(), order.end(), Index{0});
   std::ranges::sort(order, std::greater<>(),
                     [&](Index i) { return modes.eigenvalues()(i).real(); });
-  reach.unmoved.resize(rest);
-  reach.lean.resize(n, rest);
+  reach.uncontrollable_modes.resize(rest);
+  reach.left_eigenvectors.resize(n, rest);
   for (Index i = 0; i < rest; ++i) {
-    reach.unmoved(i) = modes.eigenvalues()(order[static_cast<std::size_t>(i)]);
-    reach.lean.col(i) = reach.T.rightCols(rest).cast<std::complex<double>>() *
-                        modes.eigenvectors().col(order[static_cast<std::size_t>(i)]);
+    reach.uncontrollable_modes(i) = modes.eigenvalues()(order[static_cast<std::size_t>(i)]);
+    reach.left_eigenvectors.col(i) = reach.T.rightCols(rest).cast<std::complex<double>>() *
+                                     modes.eigenvectors().col(order[static_cast<std::size_t>(i)]);
   }
   return reach;
 }
 
 bool IsControllable(const MatrixXd& A, const MatrixXd& B, double tolerance) {
-  return ReachOf(A, B, tolerance).all();
+  return ControllabilityOf(A, B, tolerance).all();
 }
 
 bool IsObservable(const MatrixXd& A, const MatrixXd& C, double tolerance) {
@@ -108,7 +112,7 @@ bool IsObservable(const MatrixXd& A, const MatrixXd& C, double tolerance) {
 }
 
 bool IsStabilizable(const MatrixXd& A, const MatrixXd& B, TimeDomain domain, double tolerance) {
-  return DiesOut(ReachOf(A, B, tolerance), domain);
+  return DiesOut(ControllabilityOf(A, B, tolerance), domain);
 }
 
 bool IsDetectable(const MatrixXd& A, const MatrixXd& C, TimeDomain domain, double tolerance) {
@@ -121,14 +125,14 @@ double Instability(std::complex<double> mode, TimeDomain domain) {
 
 void RequireStabilizable(const MatrixXd& A, const MatrixXd& B, TimeDomain domain,
                          const std::vector<std::string>& names, double tolerance) {
-  RequireDyingOut(ReachOf(A, B, tolerance), domain, names, "no input moves",
+  RequireDyingOut(ControllabilityOf(A, B, tolerance), domain, names, "no input moves",
                   "give an input that does, or leave these states out");
 }
 
 void RequireDetectable(const MatrixXd& A, const MatrixXd& C, TimeDomain domain,
                        const std::vector<std::string>& names, double tolerance) {
-  RequireDyingOut(ReachOf(A.transpose(), C.transpose(), tolerance), domain, names, "nothing shows",
-                  "measure or weigh what does, or leave these states out");
+  RequireDyingOut(ControllabilityOf(A.transpose(), C.transpose(), tolerance), domain, names,
+                  "nothing shows", "measure or weigh what does, or leave these states out");
 }
 
 }  // namespace pliant

@@ -18,16 +18,16 @@ enum class TimeDomain { Continuous, Sampled };
 ///            [ 0   A_u]           [ 0 ]
 ///
 /// The eigenvalues of A_u are the modes that no input moves.
-struct Reach {
+struct Controllability {
   Eigen::Index size = 0;
   Eigen::MatrixXd T;
-  Eigen::VectorXcd unmoved;  ///< eigenvalues of A_u, the slowest to die out first
-  Eigen::MatrixXcd lean;     ///< for each, how it leans on the states: a left eigenvector of A
+  Eigen::VectorXcd uncontrollable_modes;  ///< eigenvalues of A_u, the slowest to die out first
+  Eigen::MatrixXcd left_eigenvectors;     ///< of A, a column for each of these modes
 
   bool all() const { return size == T.rows(); }
 
-  /// "λ = 0.5, in x2, x3" of an unmoved mode, with the states in which it is at least a tenth of
-  /// what it is in the largest. `names` are those of the states; none: x1, x2, …
+  /// "λ = 0.5, in x2, x3" of an uncontrollable mode, with the states in which it is at least a
+  /// tenth of what it is in the largest. `names` are those of the states; none: x1, x2, …
   std::string text(Eigen::Index mode, const std::vector<std::string>& names = {}) const;
 };
 
@@ -36,14 +36,15 @@ struct Reach {
 /// what round-off leaves in matrices that are exact, and 1e-6 suits those that Linearize took by
 /// differences. Scale states that differ by many orders of magnitude.
 /// Source: Paige, IEEE Trans. Automatic Control 26 (1981) 130.
-Reach ReachOf(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, double tolerance = 1e-12);
+Controllability ControllabilityOf(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B,
+                                  double tolerance = 1e-12);
 
 /// Inputs reach every state.
 bool IsControllable(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, double tolerance = 1e-12);
 /// Outputs y = C x tell every state.
 bool IsObservable(const Eigen::MatrixXd& A, const Eigen::MatrixXd& C, double tolerance = 1e-12);
 
-/// What no input moves dies out: every mode of `unmoved` is stable.
+/// What no input moves dies out: every uncontrollable mode is stable.
 bool IsStabilizable(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, TimeDomain domain,
                     double tolerance = 1e-12);
 /// What no output tells dies out.

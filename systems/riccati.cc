@@ -59,9 +59,9 @@ void RequireProblem(const MatrixXd& A, const MatrixXd& B, const QuadraticCost& c
 
 /// A mode on the imaginary axis that the cost does not see has no best feedback.
 void RequireSeen(const MatrixXd& A, const MatrixXd& Q, const std::vector<std::string>& names) {
-  const Reach seen = ReachOf(A.transpose(), Q);
-  for (Index i = 0; i < seen.unmoved.size(); ++i)
-    if (std::abs(seen.unmoved(i).real()) <= kEdge * A.norm())
+  const Controllability seen = ControllabilityOf(A.transpose(), Q);
+  for (Index i = 0; i < seen.uncontrollable_modes.size(); ++i)
+    if (std::abs(seen.uncontrollable_modes(i).real()) <= kEdge * A.norm())
       throw Error("Q does not see a mode that neither grows nor dies out: " + seen.text(i, names) +
                   "\nweigh it, or leave these states out");
 }

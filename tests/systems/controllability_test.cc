@@ -34,9 +34,9 @@ TEST(Controllability, OfALongChainIsSeen) {
     MatrixXd A = MatrixXd::Zero(n, n);
     A.topRightCorner(n - 1, n - 1).setIdentity();
     EXPECT_TRUE(IsControllable(A, MatrixXd::Identity(n, n).rightCols(1)));
-    const Reach reach = ReachOf(A, MatrixXd::Identity(n, n).col(0));
+    const Controllability reach = ControllabilityOf(A, MatrixXd::Identity(n, n).col(0));
     EXPECT_EQ(reach.size, 1);
-    EXPECT_EQ(reach.unmoved.size(), n - 1);
+    EXPECT_EQ(reach.uncontrollable_modes.size(), n - 1);
   }
 }
 
@@ -48,16 +48,16 @@ TEST(Controllability, OfRandomSystemsIsThatTheyWereMadeWith) {
     A.bottomLeftCorner(n - reached, reached).setZero();
     B.bottomRows(n - reached).setZero();
     const MatrixXd Q = Eigen::HouseholderQR<MatrixXd>(random.Normal(n, n)).householderQ();
-    const Reach reach = ReachOf(Q * A * Q.transpose(), Q * B);
+    const Controllability reach = ControllabilityOf(Q * A * Q.transpose(), Q * B);
     ASSERT_EQ(reach.size, reached);
     const MatrixXd a = reach.T.transpose() * Q * A * Q.transpose() * reach.T;
     EXPECT_LT((a.bottomLeftCorner(n - reached, reached).norm()), 1e-12 * A.norm());
     EXPECT_TRUE((reach.T.transpose() * reach.T).isIdentity(1e-13));
     // wᵀ A = λ wᵀ and wᵀ B = 0 for each mode that is not moved.
     for (Index m = 0; m < n - reached; ++m) {
-      const Eigen::VectorXcd w = reach.lean.col(m);
+      const Eigen::VectorXcd w = reach.left_eigenvectors.col(m);
       const Eigen::RowVectorXcd wA = w.transpose() * (Q * A * Q.transpose());
-      EXPECT_LT((wA - reach.unmoved(m) * w.transpose()).norm(), 1e-11 * A.norm());
+      EXPECT_LT((wA - reach.uncontrollable_modes(m) * w.transpose()).norm(), 1e-11 * A.norm());
       EXPECT_LT((w.transpose() * (Q * B)).norm(), 1e-12 * B.norm());
     }
   }
@@ -97,11 +97,11 @@ TEST(Stabilizability, NamesTheModeThatCannotBeMoved) {
 }
 
 TEST(Controllability, RefusesWhatIsNoModel) {
-  EXPECT_EQ(ErrorOf([] { ReachOf(MatrixXd(2, 3), MatrixXd(2, 1)); }),
+  EXPECT_EQ(ErrorOf([] { ControllabilityOf(MatrixXd(2, 3), MatrixXd(2, 1)); }),
             "A must be 2×2, square, got 2×3");
-  EXPECT_EQ(ErrorOf([] { ReachOf(kIntegrators, MatrixXd::Zero(3, 1)); }),
+  EXPECT_EQ(ErrorOf([] { ControllabilityOf(kIntegrators, MatrixXd::Zero(3, 1)); }),
             "B must be 2×1, a row for each state, got 3×1");
-  EXPECT_EQ(ErrorOf([] { ReachOf(kIntegrators, Vector2d(0, 1), 1); }),
+  EXPECT_EQ(ErrorOf([] { ControllabilityOf(kIntegrators, Vector2d(0, 1), 1); }),
             "tolerance must be > 0 and < 1, got 1");
   EXPECT_EQ(ErrorOf([] {
               RequireStabilizable(kIntegrators, Vector2d(1, 0), TimeDomain::Continuous, {"x"});
