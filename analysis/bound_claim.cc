@@ -20,7 +20,7 @@ void BoundClaim::RequireSound(const RecordedSignal& recorded) const {
 Claim BoundClaim::Check(const Runs& runs) const {
   const RecordedSignal& recorded = runs[run].log[number.signal];
   const std::string unit = number.unit(recorded);
-  const double value = number.Of(runs[run]);
+  const double value = number.Of(runs[run].log);
   std::string criterion;
   if (std::isfinite(least)) criterion = "at least " + WithUnit(least, unit);
   if (std::isfinite(most))

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "pliant/analysis/claim_source.h"
+#include "pliant/analysis/run_data.h"
 #include "pliant/analysis/signal_number.h"
 
 namespace pliant {

@@ -139,14 +139,15 @@ Experiment Filled(const std::string& text, const std::string& source, const Over
   return Changed(text, source).Filled(set, run);
 }
 
+bool IsOfAName(unsigned char c) { return std::isalnum(c) || c == '_' || c == '-'; }
+
 constexpr std::size_t kLongestName = 100;  // and of its log, with a number and a suffix
 
 void CheckRunNames(const std::vector<RunOf>& runs) {
   std::set<std::string> names;
   for (const RunOf& run : runs) {
-    const bool fit = std::ranges::all_of(
-        run.name, [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-'; });
-    Require(fit, "the name of a run, which names its log, has letters, digits, '_' and '-'",
+    Require(std::ranges::all_of(run.name, IsOfAName),
+            "the name of a run, which names its log, has letters, digits, '_' and '-'",
             "'" + run.name + "'");
     Require(run.name.size() <= kLongestName,
             "the name of a run has at most " + Text(kLongestName) + " letters", run.name.size());
@@ -198,9 +199,24 @@ class NamesCheck {
           figure);
     for (const NumberTable& table : experiment.tables)
       At("table '" + table.title + "'", [&] { CheckPart(table); });
+    std::set<std::string> numbers;
+    for (const NamedNumber& number : experiment.numbers)
+      At("number '" + number.name + "'", [&] {
+        Require(numbers.insert(number.name).second, "there are two of that name");
+        CheckNumber(number);
+      });
   }
 
  private:
+  void CheckNumber(const NamedNumber& number) const {
+    Require(std::ranges::all_of(number.name, IsOfAName),
+            "the name of a number, which names its column, has letters, digits, '_' and '-'");
+    for (const KnownRun& run : runs_) {
+      number.number.RequireSound(run.recorded[number.number.signal]);
+      number.number.RequireFit(run.scenario);
+    }
+  }
+
   const KnownRun& Run(const std::string& name) const {
     const auto found = std::ranges::find(runs_, name, &KnownRun::name);
     if (found == runs_.end())

@@ -19,6 +19,7 @@
 #include "pliant/analysis/friction_figure.h"
 #include "pliant/analysis/least_claim.h"
 #include "pliant/analysis/motion_claims.h"
+#include "pliant/analysis/named_number.h"
 #include "pliant/analysis/number_table.h"
 #include "pliant/analysis/order_claim.h"
 #include "pliant/analysis/path_figure.h"
@@ -54,8 +55,8 @@ using ClaimCheck =
 using FigureOf = std::variant<VelocityFigure, PredictionFigure, LimitFigure, SignalFigure,
                               NormFigure, PhaseFigure, PathFigure, BarFigure, FrictionFigure>;
 
-/// A file that can be run: a scenario, its runs, the claims to check, the figures to draw
-/// and the tables to fill.
+/// A file that can be run: a scenario, its runs, the claims to check, the figures to draw,
+/// the tables to fill, and the numbers that a sweep measures.
 struct Experiment {
   std::string title;
   std::string summary;
@@ -65,6 +66,7 @@ struct Experiment {
   std::vector<ClaimCheck> claims = {};
   std::vector<FigureOf> figures = {};
   std::vector<NumberTable> tables = {};
+  std::vector<NamedNumber> numbers = {};  ///< that a sweep measures in each run
 
   template <class F>
   void Parameters(F&& f) {
@@ -76,6 +78,7 @@ struct Experiment {
     f("claims", claims);
     f("figures", figures);
     f("tables", tables);
+    f("numbers", numbers);
   }
 };
 

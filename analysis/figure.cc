@@ -92,8 +92,18 @@ void CheckAxis(const std::string& where, const Axis& axis) {
             end.value_or(0));
 }
 
+void CheckMap(const std::string& where, const HeatMap& map) {
+  Require(!map.x.empty() && !map.y.empty(), where + "a map has columns and rows");
+  Require(map.values.size() == map.x.size() * map.y.size(),
+          where + "a map has a value for each of its " + std::to_string(map.x.size()) + " x " +
+              std::to_string(map.y.size()) + " cells",
+          map.values.size());
+}
+
 void CheckPanel(const std::string& where, const Panel& panel) {
-  Require(panel.curves.empty() != panel.bars.empty(), where + "it shows either curves or bars");
+  Require((!panel.curves.empty()) + (!panel.bars.empty()) + panel.map.has_value() == 1,
+          where + "it shows either curves or bars or a map");
+  if (panel.map) CheckMap(where, *panel.map);
   for (const Axis& axis : {panel.x, panel.left, panel.right}) CheckAxis(where, axis);
   for (const Curve& curve : panel.curves)
     Require(curve.x.size() == curve.y.size(),
@@ -201,12 +211,13 @@ set tics nomirror out scale 0.5 textcolor rgb '#262626'
 set format '%g'
 set grid xtics ytics back ls 101
 set key outside top left horizontal Left reverse samplen 1.8 spacing 1.1 textcolor rgb '#262626'
-set style fill solid 0.75 noborder
 set xtics offset 0,0.3
 set xlabel offset 0,0.5
 set ylabel offset 0.8,0
 set y2label offset -0.8,0
 set title offset 0,-0.5
+set palette defined (0 '#440154', 1 '#414487', 2 '#2a788e', 3 '#22a884', 4 '#7ad151', 5 '#fde725')
+set colorbox
 )";
 
 /// Writes the script and, as it goes along, the data its curves are the blocks of.
@@ -227,6 +238,7 @@ class Script {
   void Dashes(const Curve& curve);
   void Brackets(const Panel& panel, const std::vector<double>& at);
   void Bars(const Panel& panel);
+  void Map(const HeatMap& map);
   void Rectangle(const std::string& from, const std::string& to, const Colour& colour,
                  const std::string& label);
   /// The block's place in the data file, as gnuplot asks for it.
@@ -249,11 +261,13 @@ Script::Script(const Figure& figure) : figure_{figure} {
   const bool equal = std::ranges::any_of(figure.panels, &Panel::equal_scales);
   const bool bracketed =
       std::ranges::any_of(figure.panels, [](const Panel& p) { return !p.brackets.empty(); });
-  const std::size_t height = columns == 1 && equal       ? 600
-                             : columns > 1 && bracketed  ? 420
-                             : rows == 1 && columns == 1 ? 400
-                             : columns == 1 && !many     ? 250
-                                                         : 340;
+  const bool mapped =
+      std::ranges::any_of(figure.panels, [](const Panel& p) { return p.map.has_value(); });
+  const std::size_t height = columns == 1 && equal                   ? 600
+                             : columns > 1 && bracketed              ? 420
+                             : columns == 1 && (rows == 1 || mapped) ? 400
+                             : columns == 1 && !many                 ? 250
+                                                                     : 340;
   const auto inches = [](double pixels) { return Number(pixels / 96); };
   text_ << "# gnuplot " << figure.name << ".gp > " << figure.name << ".svg\n"
         << "# gnuplot -e 'pdf = 1' " << figure.name << ".gp > " << figure.name << ".pdf\n"
@@ -270,7 +284,12 @@ Script::Script(const Figure& figure) : figure_{figure} {
     const bool powers =
         std::ranges::any_of(figure.panels, [](const Panel& p) { return p.left.logarithmic; });
     const int room = columns == 1 || powers ? 10 : 8;
-    text_ << "set lmargin " << room << "\nset rmargin " << (many ? 22 : right ? room : 3) << "\n";
+    text_ << "set lmargin " << room << "\nset rmargin "
+          << (many     ? 22
+              : mapped ? 12
+              : right  ? room
+                       : 3)
+          << "\n";
   }
   for (std::size_t p = 0; p < figure.panels.size(); ++p) {
     const bool named_below = columns == 1 && p + 1 < figure.panels.size() &&
@@ -287,6 +306,7 @@ void Script::Draw(const Panel& panel, bool names_x) {
   Labels(panel, names_x);
   Ranges(panel);
   Bars(panel);
+  if (panel.map) Map(*panel.map);
   Curves(panel);
   Bands(panel);
   Limits(panel);
@@ -305,7 +325,9 @@ void Script::Labels(const Panel& panel, bool names_x) {
   label("y2", right ? panel.right.label : "", internal::kVermillion);
   text_ << "set border " << (right ? 11 : 3) << "\n"
         << "set xtics autofreq\n"
-        << "set ytics textcolor " << Rgb(right ? internal::kBlue : internal::kInk) << "\n"
+        << (panel.map ? "unset grid\nset style fill solid 1 noborder\n"
+                      : "set grid xtics ytics back ls 101\nset style fill solid 0.75 noborder\n")
+        << "set ytics autofreq textcolor " << Rgb(right ? internal::kBlue : internal::kInk) << "\n"
         << (right ? "set y2tics textcolor " + Rgb(internal::kVermillion) : "unset y2tics") << "\n";
 }
 
@@ -413,6 +435,47 @@ void Script::Bars(const Panel& panel) {
                 Rgb(internal::kInk) + " notitle";
   }
   Brackets(panel, at);
+}
+
+void Script::Map(const HeatMap& map) {
+  // As many names as there is room for.
+  constexpr std::size_t kNames = 10, kDigitsFit = 130;
+  const auto tics = [&](const char* axis, const std::vector<std::string>& names) {
+    const std::size_t step = (names.size() + kNames - 1) / kNames;
+    text_ << "set " << axis << "tics (";
+    for (std::size_t i = 0; i < names.size(); i += step)
+      text_ << (i ? ", " : "") << Quoted(names[i]) << " " << i;
+    text_ << ")\nset " << axis << "range [-0.5:" << Number(static_cast<double>(names.size()) - 0.5)
+          << "]\n";
+  };
+  tics("x", map.x);
+  tics("y", map.y);
+  Range range;
+  for (const double value : map.values) range.Cover(value);
+  if (range.empty()) return;
+  const double middle = (range.from + range.to) / 2;
+  if (range.from == range.to) range = Widened(range, 0);
+  text_ << "set cbrange [" << Number(range.from) << ":" << Number(range.to) << "]\nset cblabel "
+        << Quoted(map.label) << " textcolor " << Rgb(internal::kInk) << "\n";
+  std::string all, dark, bright;
+  for (std::size_t i = 0; i < map.values.size(); ++i) {
+    if (!internal::IsDrawable(map.values[i])) continue;
+    const std::string line = std::to_string(i % map.x.size()) + " " +
+                             std::to_string(i / map.x.size()) + " " + Number(map.values[i]) + "\n";
+    all += line;
+    (map.values[i] > middle ? bright : dark) += line;
+  }
+  plots_ += ", \\\n  " + AddBlock(map.label, all) +
+            " using 1:2:(0.5):(0.5):3 with boxxyerror fs solid 1 noborder lc palette notitle";
+  if (map.values.size() > kDigitsFit) return;
+  const auto digits = [&](const std::string& block, const char* colour) {
+    if (!block.empty())
+      plots_ += ", \\\n  " + AddBlock("digits", block) +
+                " using 1:2:(sprintf('%.3g', $3)) with labels font ',9' textcolor rgb '" + colour +
+                "' notitle";
+  };
+  digits(dark, "white");
+  digits(bright, "black");
 }
 
 void Script::Brackets(const Panel& panel, const std::vector<double>& at) {

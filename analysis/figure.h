@@ -55,6 +55,13 @@ struct Axis {
   bool logarithmic = false;                  ///< what is not > 0 leaves a gap
 };
 
+/// Numbers over two lists, as colours; with few of them, also as digits.
+struct HeatMap {
+  std::vector<std::string> x, y;  ///< what stands below each column, and beside each row
+  std::vector<double> values;     ///< row by row, from below; what is not finite is left empty
+  std::string label = {};         ///< of the colours, with its unit
+};
+
 /// One pair of axes. With curves on both sides, what belongs to the left is blue and green, what
 /// belongs to the right is orange.
 struct Panel {
@@ -62,6 +69,7 @@ struct Panel {
   Axis x = {}, left = {}, right = {};
   std::vector<Curve> curves = {};
   std::vector<Bar> bars = {};            ///< instead of curves
+  std::optional<HeatMap> map = {};       ///< instead of curves
   std::vector<Bracket> brackets = {};    ///< above the bars, each on a line of its own
   std::vector<LimitLine> limits = {};    ///< across, at a value of y
   std::vector<LimitLine> x_limits = {};  ///< upright, at a value of x; of no side

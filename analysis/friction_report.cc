@@ -55,6 +55,33 @@ Curve Drawn(const std::string& label, double fastest, double slowest, const Law&
 
 }  // namespace
 
+std::vector<FrictionFit> FitChosen(const FrictionSamples& samples,
+                                   std::optional<FrictionModel> model, FrictionFitOptions options) {
+  options.model = model.value_or(FrictionModel::Stribeck);
+  options.offset = options.offset && CountSliding(samples, options).both();
+  if (!model) return CompareFriction(samples, options);
+  return {FitFriction(samples, options)};
+}
+
+FrictionResult Identified(FrictionLog log, std::optional<FrictionModel> model,
+                          FrictionFitOptions options) {
+  const FrictionSamples& samples = log.samples;
+  FrictionResult result{.log = {}, .fit = {}};
+  try {
+    const std::vector<FrictionFit> fits = FitChosen(samples, model, options);
+    result.fit = fits.front();
+    if (!model) result.candidates = fits;
+  } catch (const Error& e) {
+    options.model = model.value_or(FrictionModel::Stribeck);
+    result.fit.options = options;
+    result.fit.unidentified = {{"friction", e.what()}};
+    result.fit.least_velocity = LeastVelocityOf(samples, options);
+    result.fit.samples = CountSliding(samples, options).all();
+  }
+  result.log = std::move(log);
+  return result;
+}
+
 Figure FigureOf(const FrictionResult& result) {
   const FrictionSamples& s = result.log.samples;
   const FrictionFit& fit = result.fit;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,15 @@ struct FrictionResult {
   FrictionFit fit;
   std::vector<FrictionFit> candidates = {};  ///< empty: the model was given
 };
+
+/// The fit of a model; without a model all candidates, the one of least BIC first. An offset is
+/// estimated only where samples slide in both directions.
+std::vector<FrictionFit> FitChosen(const FrictionSamples& samples,
+                                   std::optional<FrictionModel> model, FrictionFitOptions options);
+
+/// The same of a joint. One that does not slide enough has a fit of which nothing is identified.
+FrictionResult Identified(FrictionLog log, std::optional<FrictionModel> model,
+                          FrictionFitOptions options);
 
 /// The torque error over the velocity with the fitted curve, its Coulomb and viscous parts and the
 /// band between them and stiction, and below it what is left. RSS fig. 3.

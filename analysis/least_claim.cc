@@ -16,12 +16,12 @@ void LeastClaim::RequireFit(const Scenario& scenario) const {
 Claim LeastClaim::Check(const Runs& runs) const {
   const RecordedSignal& recorded = runs[run].log[number.signal];
   const std::string unit = number.unit(recorded);
-  const double least = number.Of(runs[run]);
+  const double least = number.Of(runs[run].log);
   std::string measured =
       number.text(recorded) + ": " + runs[run].title + " " + WithUnit(least, unit);
   bool holds = true;
   for (const std::string& other : others) {
-    const double value = number.Of(runs[other]);
+    const double value = number.Of(runs[other].log);
     measured += "; " + runs[other].title + " " + WithUnit(value, unit);
     holds = holds && least <= value && factor * least <= value;
   }

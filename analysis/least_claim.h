@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "pliant/analysis/claim_source.h"
+#include "pliant/analysis/run_data.h"
 #include "pliant/analysis/signal_number.h"
 
 namespace pliant {

@@ -19,4 +19,10 @@ std::string Printable(std::string_view word) {
   return text;
 }
 
+std::string FirstBytes(std::string_view text, std::size_t bytes) {
+  if (bytes >= text.size()) return std::string(text);
+  while (bytes > 0 && (static_cast<unsigned char>(text[bytes]) & 0xC0) == 0x80) --bytes;
+  return std::string(text.substr(0, bytes));
+}
+
 }  // namespace pliant

@@ -47,7 +47,7 @@ void RepeatedNumber::Add(const Runs& repetition) {
     text_ = number_.text(recorded);
     unit_ = number_.unit(recorded);
     of.title = run.title;
-    of.values.push_back(number_.Of(run));
+    of.values.push_back(number_.Of(run.log));
   }
 }
 

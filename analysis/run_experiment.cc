@@ -11,6 +11,7 @@
 #include <system_error>
 #include <thread>
 
+#include "pliant/analysis/advance_run.h"
 #include "pliant/analysis/mcap_log.h"
 #include "pliant/analysis/repeated_number.h"
 #include "pliant/analysis/run_log.h"
@@ -18,10 +19,11 @@
 #include "pliant/analysis/series.h"
 #include "pliant/analysis/with_unit.h"
 #include "pliant/analysis/write_file.h"
-#include "pliant/plants/parameter_text.h"
 #include "pliant/systems/simulator.h"
 
 namespace pliant {
+
+using internal::AdvanceInParts;
 
 namespace {
 
@@ -32,8 +34,6 @@ struct Job {
   int repetition;
   std::filesystem::path log;
 };
-
-std::string Exact(double value) { return internal::YamlText(value); }
 
 class Execution {
  public:
@@ -146,27 +146,13 @@ class Execution {
       return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     };
     const double duration = scenario.duration_s;
-    const double period = seconds(scene.control_period);
-    // The tick at the end, if there is one, is the last.
-    const auto is_at_a_tick = [&](double t) {
-      return std::abs(std::ceil(t / period - 1e-9) * period - t) < 1e-9;
-    };
+    const Duration period = scene.control_period;
     const auto end = [&](bool whole) {
       if (!log) return;
-      const Simulator::Statistics statistics = sim.statistics();
-      std::map<std::string, std::string> told{
-          {"whole", whole ? "1" : "0"},
-          {"simulated_s", Exact(sim.time())},
-          {"wall_s", Exact(wall())},
-          {"ticks", std::to_string(view ? ticks_shown_
-                                        : std::llround(std::ceil(sim.time() / period - 1e-9)) +
-                                              (whole && is_at_a_tick(sim.time())))},
-          {"integrator_steps", std::to_string(statistics.steps)},
-          {"derivative_calls", std::to_string(statistics.derivative_calls)},
-          {"integrator", statistics.text()}};
-      if (const std::optional<Simulator::Ending> ending = sim.ended())
-        told["ended"] = ending->text();
-      log->AddMetadata("pliant.run", told);
+      // The tick at the end, if there is one, is the last.
+      const std::int64_t ticks =
+          TicksBefore(sim.time(), period) + (whole && IsAtTick(sim.time(), period));
+      log->AddMetadata("pliant.run", RunEndOf(sim, whole, wall(), view ? ticks_shown_ : ticks));
       log->Close();
     };
     bool whole = false;
@@ -178,7 +164,7 @@ class Execution {
                            .diagram = &diagram,
                            .panel = scene.safety ? panel : nullptr})
                    : Advance(job, sim, *log, wall);
-      if (whole && is_at_a_tick(duration) && !sim.ended()) {
+      if (whole && IsAtTick(duration, period) && !sim.ended()) {
         sim.AdvanceThroughTick();
         ++ticks_shown_;
         if (sim.ended()) reason_ = sim.ended()->text();
@@ -202,17 +188,14 @@ class Execution {
     const std::string phase =
         job.run->title + (file_.experiment.repeat > 1 ? ", " + std::to_string(job.repetition) : "");
     const double duration = job.scenario.duration_s;
-    const auto parts = static_cast<std::int64_t>(std::ceil(10 * duration));
-    std::int64_t k = 0;
-    // A log that cannot be written ends the run; Close says why.
-    while (k < parts && !sim.ended() && !Stopped() && log.statistics().error.empty()) {
-      ++k;
-      sim.AdvanceTo(duration * static_cast<double>(k) / static_cast<double>(parts));
-      if (!options_.progress) continue;
-      const std::lock_guard lock(mutex_);
-      options_.progress(phase, sim.time(), duration, wall());
-    }
-    return k == parts || sim.ended();
+    return AdvanceInParts(sim, duration, [&] {
+      if (options_.progress) {
+        const std::lock_guard lock(mutex_);
+        options_.progress(phase, sim.time(), duration, wall());
+      }
+      // A log that cannot be written ends the run; Close says why.
+      return !Stopped() && log.statistics().error.empty();
+    });
   }
 
   /// At the pace of the wall clock, for those who look on. Whether it came to its end.

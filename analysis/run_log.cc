@@ -1,5 +1,8 @@
 #include "pliant/analysis/run_log.h"
 
+#include <cmath>
+#include <optional>
+
 #include "pliant/plants/parameter_text.h"
 
 namespace pliant {
@@ -21,6 +24,29 @@ McapLog::Options RunLogOf(const RunLog& log) {
           .position = "arm.measured_position",
           .velocity = "arm.measured_velocity",
           .torque = "arm.measured_torque"};
+}
+
+std::map<std::string, std::string> RunEndOf(const Simulator& sim, bool whole, double wall_s,
+                                            std::int64_t ticks) {
+  const Simulator::Statistics statistics = sim.statistics();
+  std::map<std::string, std::string> told{
+      {"whole", whole ? "1" : "0"},
+      {"simulated_s", internal::YamlText(sim.time())},
+      {"wall_s", internal::YamlText(wall_s)},
+      {"ticks", std::to_string(ticks)},
+      {"integrator_steps", std::to_string(statistics.steps)},
+      {"derivative_calls", std::to_string(statistics.derivative_calls)},
+      {"integrator", statistics.text()}};
+  if (const std::optional<Simulator::Ending> ending = sim.ended()) told["ended"] = ending->text();
+  return told;
+}
+
+bool IsAtTick(double t, Duration period) {
+  return std::abs(static_cast<double>(TicksBefore(t, period)) * seconds(period) - t) < 1e-9;
+}
+
+std::int64_t TicksBefore(double t, Duration period) {
+  return std::llround(std::ceil(t / seconds(period) - 1e-9));
 }
 
 }  // namespace pliant

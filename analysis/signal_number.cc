@@ -144,8 +144,8 @@ Eigen::MatrixXd SignalNumber::Elements(const RecordedSignal& recorded) const {
   return all;
 }
 
-double SignalNumber::Of(const RunData& run) const {
-  const RecordedSignal& recorded = run.log[signal];
+double SignalNumber::Of(const Recording& recording) const {
+  const RecordedSignal& recorded = recording[signal];
   UnitOf(*this, recorded);
   const RowsBetween rows(recorded.times, from_s, to_s);
   Require(rows.size() > 0, "no row of " + signal + " lies between from_s and to_s",

@@ -4,7 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "pliant/analysis/run_data.h"
+#include "pliant/analysis/recording.h"
+#include "pliant/diagrams/scenario.h"
 
 namespace pliant {
 
@@ -75,8 +76,8 @@ struct SignalNumber {
   std::string text(const RecordedSignal& recorded) const;
   /// The elements over the whole log, relative or filtered as asked.
   Eigen::MatrixXd Elements(const RecordedSignal& recorded) const;
-  /// Throws Error if there is no such row.
-  double Of(const RunData& run) const;
+  /// Throws Error if there is no such signal or row.
+  double Of(const Recording& recording) const;
 };
 
 /// Throws Error unless a scenario's log has a row at each tick of its controller: between two rows

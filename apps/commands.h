@@ -29,7 +29,8 @@ void AddIdentifyDynamics(CLI::App& app, std::vector<Command>& commands);  ///< i
 void AddDoctor(CLI::App& app, std::vector<Command>& commands);
 void AddPad(CLI::App& app, std::vector<Command>& commands);
 void AddEmulate(CLI::App& app, std::vector<Command>& commands);
-void AddRecover(CLI::App& app, std::vector<Command>& commands);  ///< recover gen3
+void AddSweepCommands(CLI::App& app, std::vector<Command>& commands);  ///< sweep, merge, rerun
+void AddRecover(CLI::App& app, std::vector<Command>& commands);        ///< recover gen3
 
 /// Devices of `emulate`.
 void AddEmulateRdt(CLI::App& emulate, std::vector<Command>& commands);

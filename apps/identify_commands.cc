@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "pliant/analysis/friction_report.h"
@@ -98,29 +99,14 @@ E ValueOf(const std::string& word) {
   return static_cast<E>(std::ranges::find(words, word) - words.begin());
 }
 
-/// A joint that does not slide enough has a fit of which nothing is identified.
-void Fit(const Told& told, FrictionResult& result) {
-  const FrictionSamples& samples = result.log.samples;
-  FrictionFitOptions o{.loss = ValueOf<FrictionLoss>(told.loss),
-                       .separate = told.directions == "separate",
-                       .least_velocity = told.least_velocity};
-  o.offset = !told.no_offset && told.directions == "both" && CountSliding(samples, o).both();
-  o.model = told.model == "auto" ? FrictionModel::Stribeck : ValueOf<FrictionModel>(told.model);
-  try {
-    if (told.model == "auto") {
-      result.candidates = CompareFriction(samples, o);
-      result.fit = result.candidates.front();
-    } else {
-      result.fit = FitFriction(samples, o);
-    }
-  } catch (const Error& e) {
-    result.candidates.clear();
-    result.fit = {};
-    result.fit.options = o;
-    result.fit.unidentified = {{"friction", e.what()}};
-    result.fit.least_velocity = LeastVelocityOf(samples, o);
-    result.fit.samples = CountSliding(samples, o).all();
-  }
+FrictionResult Fit(const Told& told, FrictionLog log) {
+  std::optional<FrictionModel> model;
+  if (told.model != "auto") model = ValueOf<FrictionModel>(told.model);
+  return Identified(std::move(log), model,
+                    {.loss = ValueOf<FrictionLoss>(told.loss),
+                     .separate = told.directions == "separate",
+                     .offset = !told.no_offset && told.directions == "both",
+                     .least_velocity = told.least_velocity});
 }
 
 /// Joints with the same drive as one.
@@ -134,22 +120,21 @@ std::vector<FrictionResult> Pool(const Told& told, const std::vector<FrictionRes
   for (const DriveFigures& size : sizes) {
     std::vector<FrictionSamples> samples;
     std::vector<FrictionFit> fits;
-    FrictionResult one;
+    FrictionLog one;
     joints.emplace_back();
     for (std::size_t j = 0; j < results.size(); ++j) {
       if (drives[j] != size) continue;
       samples.push_back(results[j].log.samples);
       fits.push_back(results[j].fit);
       joints.back().push_back(results[j].log.joint);
-      one.log.joint += (one.log.joint.empty() ? "" : ", ") + results[j].log.joint;
-      one.log.transient += results[j].log.transient;
-      one.log.steps += results[j].log.steps;
+      one.joint += (one.joint.empty() ? "" : ", ") + results[j].log.joint;
+      one.transient += results[j].log.transient;
+      one.steps += results[j].log.steps;
       for (const std::string& doubt : results[j].log.doubts)
-        one.log.doubts.push_back(results[j].log.joint + ": " + doubt);
+        one.doubts.push_back(results[j].log.joint + ": " + doubt);
     }
-    one.log.samples = Pooled(samples, fits);
-    Fit(told, one);
-    pooled.push_back(std::move(one));
+    one.samples = Pooled(samples, fits);
+    pooled.push_back(Fit(told, std::move(one)));
   }
   return pooled;
 }
@@ -265,12 +250,10 @@ int IdentifyFriction(Told told) {
   std::vector<DriveFigures> drives;
   std::vector<std::vector<std::string>> joints;
   for (const TestedDrive& joint : read.joints) {
-    FrictionResult result{.log = joint.log, .fit = {}};
-    for (const std::string& doubt : result.log.doubts)
-      std::fprintf(stderr, "pliant: %s: %s\n", result.log.joint.c_str(), doubt.c_str());
-    Fit(told, result);
-    joints.push_back({result.log.joint});
-    results.push_back(std::move(result));
+    for (const std::string& doubt : joint.log.doubts)
+      std::fprintf(stderr, "pliant: %s: %s\n", joint.log.joint.c_str(), doubt.c_str());
+    joints.push_back({joint.log.joint});
+    results.push_back(Fit(told, joint.log));
     drives.push_back(joint.drive);
   }
   if (told.pool) {

@@ -22,10 +22,10 @@ file(CREATE_LINK ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR}/include/pliant SYMB
 
 # Compile and link options of all targets of the tree; nothing of it is exported.
 add_library(pliant_options INTERFACE)
-# A rule's parameter may have the name of the port it reads: GCC's -Wshadow forbids it, Clang's does not.
+# A rule's parameter may have the name of the port it reads: -Wshadow forbids it, GCC's =local does not.
 # GCC 12 sees overlaps and overflows in std::string that are not there (its bug 105651).
 target_compile_options(pliant_options INTERFACE -Wall -Wextra
-                       $<IF:$<CXX_COMPILER_ID:GNU>,-Wshadow=local;-Wno-restrict;-Wno-stringop-overflow;-Wno-array-bounds,-Wshadow>)
+                       $<$<CXX_COMPILER_ID:GNU>:-Wshadow=local;-Wno-restrict;-Wno-stringop-overflow;-Wno-array-bounds>)
 if(PLIANT_WERROR)
   target_compile_options(pliant_options INTERFACE -Werror)
 endif()
@@ -33,10 +33,6 @@ if(PLIANT_SANITIZE)
   target_compile_options(pliant_options INTERFACE -fsanitize=${PLIANT_SANITIZE} -fno-omit-frame-pointer
                                                   -fno-sanitize-recover=all)
   target_link_options(pliant_options INTERFACE -fsanitize=${PLIANT_SANITIZE})
-endif()
-if(PLIANT_COVERAGE)
-  target_compile_options(pliant_options INTERFACE --coverage -fprofile-update=atomic)
-  target_link_options(pliant_options INTERFACE --coverage)
 endif()
 
 # pliant_library(FOLDER HEADERS … SOURCES … PUBLIC … PRIVATE …): the library pliant::FOLDER.
@@ -57,8 +53,13 @@ function(pliant_library name)
       target_precompile_headers(pliant_${name} PRIVATE <Eigen/Core> <algorithm> <cmath> <functional>
                                 <memory> <sstream> <string> <tuple> <unordered_map> <vector>)
     endif()
-    target_link_options(pliant_${name} PRIVATE LINKER:--exclude-libs,ALL LINKER:--no-undefined)
-    set_target_properties(pliant_${name} PROPERTIES INSTALL_RPATH "$ORIGIN"
+    set(symbols ${PROJECT_SOURCE_DIR}/cmake/symbols.map)
+    target_link_options(pliant_${name} PRIVATE LINKER:--exclude-libs,ALL LINKER:--version-script=${symbols})
+    # Clang's sanitizers stand in the program alone.
+    if(NOT (PLIANT_SANITIZE AND CMAKE_CXX_COMPILER_ID STREQUAL "Clang"))
+      target_link_options(pliant_${name} PRIVATE LINKER:--no-undefined)
+    endif()
+    set_target_properties(pliant_${name} PROPERTIES INSTALL_RPATH "$ORIGIN" LINK_DEPENDS ${symbols}
                                                     VERSION ${PROJECT_VERSION}
                                                     SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
     target_link_libraries(pliant_${name} PRIVATE $<BUILD_INTERFACE:pliant_options> ${ARG_PRIVATE})
@@ -72,8 +73,8 @@ function(pliant_library name)
   target_compile_features(pliant_${name} ${scope} cxx_std_20)
   target_include_directories(pliant_${name} ${scope}
                              $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/include> $<INSTALL_INTERFACE:include>)
-  install(TARGETS pliant_${name} EXPORT pliant)
-  install(FILES ${ARG_HEADERS} DESTINATION include/pliant/${name})
+  install(TARGETS pliant_${name} EXPORT pliant LIBRARY COMPONENT runtime NAMELINK_COMPONENT dev)
+  install(FILES ${ARG_HEADERS} DESTINATION include/pliant/${name} COMPONENT dev)
   list(TRANSFORM ARG_HEADERS PREPEND ${PROJECT_BINARY_DIR}/include/pliant/${name}/)
   set_property(GLOBAL APPEND PROPERTY pliant_public_headers ${ARG_HEADERS})
 endfunction()

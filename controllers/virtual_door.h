@@ -32,6 +32,21 @@ struct DoorMotion {
   }
 };
 
+/// Where a door is stopped, by the law of hunt_crossley.h with an angle for the depth.
+struct DoorStops {
+  double lower = kToBeGiven, upper = kToBeGiven;  ///< θ [rad]
+  double stiffness = kToBeGiven;                  ///< [N·m/rad]
+  double damping = 0;                             ///< [s/rad]
+
+  template <class F>
+  void Parameters(F&& f) {
+    f("lower", lower, "rad", Between(-std::numbers::pi, std::numbers::pi));
+    f("upper", upper, "rad", Between(-std::numbers::pi, std::numbers::pi));
+    f("stiffness", stiffness, "N·m/rad", kPositive);
+    f("damping", damping, "s/rad", kNotNegative);
+  }
+};
+
 /// Makes a tool behave like the handle of a door: free to turn about a hinge with an inertia of
 /// its own choice, stiff in the five other directions.
 ///
@@ -75,20 +90,7 @@ struct DoorMotion {
 /// Source: Celerier et al. 2025 (EC), virtual inertia and the demonstration of a door.
 class VirtualDoor final : public Block {
  public:
-  /// Where the door is stopped, by the law of hunt_crossley.h with an angle for the depth.
-  struct Stops {
-    double lower = kToBeGiven, upper = kToBeGiven;  ///< θ [rad]
-    double stiffness = kToBeGiven;                  ///< [N·m/rad]
-    double damping = 0;                             ///< [s/rad]
-
-    template <class F>
-    void Parameters(F&& f) {
-      f("lower", lower, "rad", Between(-std::numbers::pi, std::numbers::pi));
-      f("upper", upper, "rad", Between(-std::numbers::pi, std::numbers::pi));
-      f("stiffness", stiffness, "N·m/rad", kPositive);
-      f("damping", damping, "s/rad", kNotNegative);
-    }
-  };
+  using Stops = DoorStops;
 
   struct Options {
     static constexpr const char* kTag = "VirtualDoor";

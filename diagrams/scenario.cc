@@ -9,6 +9,7 @@
 
 #include "pliant/diagrams/command_faults.h"
 #include "pliant/diagrams/scenario_environment.h"
+#include "pliant/diagrams/without_weight.h"
 #include "pliant/plants/collision_geometry.h"
 #include "pliant/plants/model_dynamics.h"
 #include "pliant/plants/parameter_file.h"
@@ -280,22 +281,6 @@ class ToolMotion final : public Block {
   Output<Twist> twist{this, "twist"};
 };
 
-/// The torque that is left to command where the arm makes that of gravity itself.
-class WithoutWeight final : public Block {
- public:
-  explicit WithoutWeight(const Joints& joints)
-      : torque{this, "torque", joints},
-        dynamics{this, "dynamics", joints},
-        command{this, "command", joints} {
-    Compute(command).From(torque, dynamics).As([](const JointTorque& tau, const RobotDynamics& d) {
-      return JointTorque(tau - d.gravity);
-    });
-  }
-  Input<JointTorque> torque;
-  Input<RobotDynamics> dynamics;
-  Output<JointTorque> command;
-};
-
 }  // namespace
 
 bool IsOtherRobot(const std::string& robot) {
@@ -505,7 +490,7 @@ ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<Recor
         return;
       }
       auto& assumed = b.Add<ModelDynamics>("assumed_motion", {.model = ModelOf(controller)});
-      auto& carried = b.Add<WithoutWeight>("carried", station.model.joints());
+      auto& carried = b.Add<internal::WithoutWeight>("carried", station.model.joints());
       b.Connect(to.measured_position, assumed.position);
       b.Connect(to.measured_velocity, assumed.velocity);
       b.Connect(torque, carried.torque);

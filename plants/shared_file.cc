@@ -18,8 +18,11 @@ fs::path SharedFile(std::string_view name) {
     folders.emplace_back(chosen);
   } else {
     Dl_info library;
+    std::error_code none;
+    // Without links: on Debian, where /lib is one, it is found in /lib and stands in /usr/lib.
     if (dladdr(reinterpret_cast<const void*>(&SharedFile), &library) && library.dli_fname)
-      folders.push_back(fs::path(library.dli_fname).parent_path().parent_path() / "share/pliant");
+      folders.push_back(fs::canonical(library.dli_fname, none).parent_path().parent_path() /
+                        "share/pliant");
     folders.emplace_back(PLIANT_SOURCE);
   }
   std::string looked;

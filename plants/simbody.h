@@ -22,4 +22,6 @@ constexpr bool operator==(const I& a, const I& b) {
 }
 }  // namespace SimTK
 
+// Left out: in C++20, Clang refuses its vectors of classes that are not there yet.
+#define SimTK_SIMMATH_MULTIBODY_GRAPH_MAKER_H_
 #include <Simbody.h>

@@ -189,8 +189,10 @@ class Check {
                         "; leave out <inertial> where a link is only a frame");
       const Element& e = NeededChild(*inertial, "inertia");
       const auto at = [&](const char* part) { return Numbers<1>(e, part)[0]; };
+      // All of them first: Eigen asserts if one that throws stands between its commas.
+      const double xx = at("ixx"), yy = at("iyy"), zz = at("izz");
       const double xy = at("ixy"), xz = at("ixz"), yz = at("iyz");
-      i.inertia << at("ixx"), xy, xz, xy, at("iyy"), yz, xz, yz, at("izz");
+      i.inertia << xx, xy, xz, xy, yy, yz, xz, yz, zz;
       CheckInertial(i, Where(e));
     }
     for (const char* tag : {"visual", "collision"})

@@ -13,7 +13,7 @@ if(TARGET pliant)
   pliant_test(apps/recover_test.cc LIBRARIES pliant::plants pliant_kortex)
   target_compile_definitions(apps_recover_test PRIVATE PLIANT_COMMAND="$<TARGET_FILE:pliant>")
   add_dependencies(apps_recover_test pliant)
-  foreach(name arm_run damage doctor emulate emulate_gen3 graph hardware identify identify_dynamics interruption output own_arm scenario)
+  foreach(name arm_run damage doctor emulate emulate_gen3 graph hardware identify identify_dynamics interruption output own_arm scenario sweep)
     add_test(NAME apps/${name}
              COMMAND Python3::Interpreter -B ${CMAKE_CURRENT_SOURCE_DIR}/apps/${name}_test.py $<TARGET_FILE:pliant>)
     set_tests_properties(apps/${name} PROPERTIES TIMEOUT 300)

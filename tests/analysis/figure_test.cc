@@ -184,6 +184,24 @@ TEST_F(DrawFigureTest, DrawsUprightLimitsDashesAndEqualScales) {
   EXPECT_THAT(script, HasSubstr("set yrange [-1.00"));
 }
 
+TEST_F(DrawFigureTest, DrawsAMapCellByCellAndLeavesOutWhatIsNotFinite) {
+  Figure figure{.name = "map", .columns = 2, .panels = std::vector<Panel>(2)};
+  figure.panels[0].map = HeatMap{.x = {"a", "it's"}, .y = {"1", "2"}, .values = {1, 2, 4, NAN}};
+  figure.panels[1].curves.push_back({.label = "", .x = {0, 1}, .y = {0, 1}});
+  EXPECT_TRUE(Draw(figure).find("<svg") != std::string::npos);
+  const std::string data = ReadText(File("map.dat")), script = ReadText(File("map.gp"));
+  EXPECT_NE(data.find("0 0 1\n1 0 2\n0 1 4\n"), std::string::npos) << data;
+  EXPECT_NE(script.find("set cbrange [1:4]"), std::string::npos) << script;
+  EXPECT_NE(script.find("set xtics ('a' 0, 'it''s' 1)"), std::string::npos) << script;
+  EXPECT_NE(script.find("set xtics autofreq", script.find("it''s")), std::string::npos);
+
+  figure.panels[0].map->values.pop_back();
+  EXPECT_EQ(ErrorOfDrawing(figure),
+            "figure 'map', panel 1: a map has a value for each of its 2 x 2 cells, got 3");
+  figure.panels[0].map->x.clear();
+  EXPECT_EQ(ErrorOfDrawing(figure), "figure 'map', panel 1: a map has columns and rows");
+}
+
 TEST_F(DrawFigureTest, RefusesBracketsAndScalesThatCannotBeDrawn) {
   Figure figure{.name = "one", .panels = {{.bars = {{"", "a", 1}, {"", "b", 2}}}}};
   figure.panels[0].brackets = {{0, 2, "*"}};
@@ -215,7 +233,7 @@ TEST_F(DrawFigureTest, RefusesWhatCannotBeDrawn) {
   EXPECT_EQ(ErrorOfDrawing(figure), "figure 'one': columns must be ≥ 1, got 0");
   EXPECT_EQ(ErrorOfDrawing({.name = "one"}), "figure 'one': it has no panel");
   EXPECT_EQ(ErrorOfDrawing({.name = "one", .panels = {{}}}),
-            "figure 'one', panel 1: it shows either curves or bars");
+            "figure 'one', panel 1: it shows either curves or bars or a map");
   figure = OneCurve({0}, {0});
   figure.panels[0].left = {.from = 2, .to = 1};
   EXPECT_EQ(ErrorOfDrawing(figure),

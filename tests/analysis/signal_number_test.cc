@@ -14,18 +14,15 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 
 /// x and y over time, in metres, a row each millisecond from 0 to 2 s.
-RunData Recorded(
+Recording Recorded(
     const std::function<double(double)>& x,
     const std::function<double(double)>& y = [](double) { return 0; }) {
-  RunData run;
-  run.name = run.title = "run";
   RecordedSignal signal{{"a.b", "position", {"[x]", "[y]"}, {"m", "m"}}, {}, {}};
   signal.times = Eigen::VectorXd::LinSpaced(2001, 0, 2);
   signal.numbers.resize(2, 2001);
   signal.numbers.row(0) = signal.times.unaryExpr(x).transpose();
   signal.numbers.row(1) = signal.times.unaryExpr(y).transpose();
-  run.log = Recording({signal}, {});
-  return run;
+  return {{signal}, {}};
 }
 
 SignalNumber Number(Statistic statistic) {
@@ -33,7 +30,7 @@ SignalNumber Number(Statistic statistic) {
 }
 
 TEST(SignalNumber, TakesLeastAndRangeWithTheirSigns) {
-  const RunData run = Recorded([](double t) { return std::cos(kPi * t) - 0.25; });
+  const Recording run = Recorded([](double t) { return std::cos(kPi * t) - 0.25; });
   EXPECT_NEAR(Number(Statistic::Peak).Of(run), 0.75, 1e-15);
   EXPECT_NEAR(Number(Statistic::Least).Of(run), -1.25, 1e-15);
   EXPECT_NEAR(Number(Statistic::Magnitude).Of(run), 1.25, 1e-15);
@@ -42,7 +39,7 @@ TEST(SignalNumber, TakesLeastAndRangeWithTheirSigns) {
 
 // e^{−5 t} ≤ 0.05 from ln 20 / 5 on; the first row of that.
 TEST(SignalNumber, SettlesWhenADecayStaysInItsBand) {
-  const RunData run = Recorded([](double t) { return std::exp(-5 * t); });
+  const Recording run = Recorded([](double t) { return std::exp(-5 * t); });
   SignalNumber settling = Number(Statistic::SettlingTime);
   settling.band = 0.05;
   const double theory = std::log(20) / 5;
@@ -52,13 +49,13 @@ TEST(SignalNumber, SettlesWhenADecayStaysInItsBand) {
   EXPECT_NEAR(settling.Of(run), std::ceil(1e3 * theory) * 1e-3 - 0.5, 1e-12);
   settling.from_s = 1;
   EXPECT_EQ(settling.Of(run), 0);  // it is there already
-  EXPECT_EQ(settling.unit(run.log["a.b"]), "s");
+  EXPECT_EQ(settling.unit(run["a.b"]), "s");
 }
 
 // A decay to 3: it never comes to zero, and to its final mean as to zero, but for what of the
 // decay is left in the last tenth, e⁻⁹.
 TEST(SignalNumber, SettlesAtItsFinalMeanOrNever) {
-  const RunData run = Recorded([](double t) { return 3 + std::exp(-5 * t); });
+  const Recording run = Recorded([](double t) { return 3 + std::exp(-5 * t); });
   SignalNumber settling = Number(Statistic::SettlingTime);
   settling.band = 0.05;
   EXPECT_EQ(settling.Of(run), kUnbounded);
@@ -68,7 +65,8 @@ TEST(SignalNumber, SettlesAtItsFinalMeanOrNever) {
 
 // What counts is how far it is from where it was at 0.5 s, before the rows that are taken.
 TEST(SignalNumber, IsRelativeToATimeThatNeedNotBeTaken) {
-  const RunData run = Recorded([](double t) { return 3 + t; }, [](double t) { return 4 - t * t; });
+  const Recording run =
+      Recorded([](double t) { return 3 + t; }, [](double t) { return 4 - t * t; });
   SignalNumber last = Number(Statistic::Last);
   last.elements = {};
   last.from_s = 1;
@@ -85,8 +83,8 @@ TEST(SignalNumber, IsRelativeToATimeThatNeedNotBeTaken) {
 
 // A norm that is constant hides a vector that turns.
 TEST(SignalNumber, SettlesAsAVectorNotAsANorm) {
-  const RunData run = Recorded([](double t) { return t < 1 ? std::cos(kPi * t) : -1; },
-                               [](double t) { return t < 1 ? std::sin(kPi * t) : 0; });
+  const Recording run = Recorded([](double t) { return t < 1 ? std::cos(kPi * t) : -1; },
+                                 [](double t) { return t < 1 ? std::sin(kPi * t) : 0; });
   SignalNumber settling = Number(Statistic::SettlingTime);
   settling.elements = {};
   settling.settles_at = SettlesAt::Final;
@@ -96,7 +94,7 @@ TEST(SignalNumber, SettlesAsAVectorNotAsANorm) {
 }
 
 TEST(SignalNumber, NeverSettlesOfNumbersThatAreNone) {
-  const RunData run = Recorded([](double t) { return t == 2 ? std::nan("") : 0; });
+  const Recording run = Recorded([](double t) { return t == 2 ? std::nan("") : 0; });
   SignalNumber settling = Number(Statistic::SettlingTime);
   settling.band = 1;
   EXPECT_EQ(settling.Of(run), kUnbounded);
@@ -107,7 +105,7 @@ TEST(SignalNumber, TakesWhatLiesAboveAFrequency) {
   const auto gain = [](double f, double cutoff) {
     return 1 / (1 + std::pow(std::tan(kPi * cutoff * 1e-3) / std::tan(kPi * f * 1e-3), 4));
   };
-  const RunData run = Recorded([](double t) {
+  const Recording run = Recorded([](double t) {
     return 5 + 2 * t + 3 * std::sin(2 * kPi * 2 * t) + 0.5 * std::sin(2 * kPi * 80 * t);
   });
   SignalNumber rms = Number(Statistic::Rms);
@@ -123,7 +121,7 @@ TEST(SignalNumber, TakesWhatLiesBelowAFrequency) {
   const auto gain = [](double f, double cutoff) {
     return 1 / (1 + std::pow(std::tan(kPi * cutoff * 1e-3) / std::tan(kPi * f * 1e-3), 4));
   };
-  const RunData run = Recorded(
+  const Recording run = Recorded(
       [](double t) { return 3 * std::sin(2 * kPi * 2 * t) + 0.5 * std::sin(2 * kPi * 80 * t); });
   SignalNumber rms = Number(Statistic::Rms);
   rms.below_hz = 20;
@@ -136,7 +134,7 @@ TEST(SignalNumber, TakesWhatLiesBelowAFrequency) {
 }
 
 TEST(SignalNumber, SaysWhatItIs) {
-  const RecordedSignal signal = Recorded([](double t) { return t; }).log["a.b"];
+  const RecordedSignal signal = Recorded([](double t) { return t; })["a.b"];
   SignalNumber number{.signal = "a.b"};
   EXPECT_EQ(number.text(signal), "peak norm of a.b");
   EXPECT_EQ(number.unit(signal), "m");
@@ -192,10 +190,10 @@ TEST(SignalNumber, RefusesWhatDoesNotGoTogether) {
 }
 
 TEST(SignalNumber, RefusesToFilterRowsThatAreNotEvenlySpaced) {
-  RunData run = Recorded([](double t) { return t; });
-  std::vector<RecordedSignal> signals = run.log.signals();
+  Recording run = Recorded([](double t) { return t; });
+  std::vector<RecordedSignal> signals = run.signals();
   signals[0].times.tail(1000).array() += 0.5;
-  run.log = Recording(signals, {});
+  run = Recording(signals, {});
   SignalNumber rms = Number(Statistic::Rms);
   EXPECT_EQ(ErrorOf([&] { rms.Of(run); }), "no error");
   rms.above_hz = 20;

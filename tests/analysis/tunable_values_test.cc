@@ -3,8 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <map>
+
+#include "pliant/analysis/readable_values.h"
 #include "pliant/systems/block.h"
 #include "pliant/systems/constant.h"
+#include "pliant/systems/simulator.h"
 
 namespace pliant {
 namespace {
@@ -98,6 +102,30 @@ TEST(TunableValues, OfACompositeAreItsInputsAndNotWhatTheyAreWiredTo) {
   for (const TunableValue& of : TunableValuesOf(diagram)) paths.push_back(of.path);
   EXPECT_THAT(paths, testing::Contains("house.gain"));
   EXPECT_THAT(paths, testing::Not(testing::Contains("house.walker.gain")));
+}
+
+TEST(ReadableValues, AreAllPortsOfNumbersAndAWiredInputShowsWhatItIsWiredTo) {
+  DiagramBuilder b;
+  auto& walker = b.Add<Walker>("walker");
+  b.Connect(b.Add<Constant<double>>("one", {.value = 7}).y, walker.wired);
+  const Diagram diagram = b.Build();
+  Simulator sim{diagram};
+  const std::vector<ReadableValue> all = ReadableValuesOf(diagram);
+  std::vector<std::string> tunable, others;
+  std::map<std::string, double> read;  // the first number of each
+  for (const ReadableValue& of : all) {
+    (of.tunable ? tunable : others).push_back(of.path + " " + of.role);
+    std::vector<double> numbers(of.size());
+    sim.GetNumbers(*of.value, numbers);
+    if (!of.tunable) read[of.path] = numbers[0];
+  }
+  EXPECT_THAT(tunable, ElementsAre("walker.gain input", "walker.on input", "walker.gait input",
+                                   "walker.legs input", "walker.limit input", "walker.matrix input",
+                                   "one.value input"));
+  EXPECT_THAT(others, ElementsAre("walker.wired input", "walker.place input", "walker.y output",
+                                  "one.y output"));
+  EXPECT_EQ(read["walker.wired"], 7);
+  EXPECT_EQ(read["walker.y"], 7 * 2.5);
 }
 
 }  // namespace

@@ -10,7 +10,8 @@ import command
 from command import SHORT, InFolder, main
 
 KEYS = ("title, summary, robot, station, payload, model_error, assumed_friction, controller, schedule, safety, environment, "
-        "integrator, duration_s, seed, position_scatter, log_period, stop_when, repeat, runs, claims, figures, tables")
+        "integrator, duration_s, seed, position_scatter, log_period, stop_when, repeat, runs, claims, figures, tables, "
+        "numbers")
 CLAIM = """
 claims:
   - !{tag} {{id: a, source: nobody, paper: nothing, run: {run}}}
@@ -19,7 +20,8 @@ claims:
 
 class Help(InFolder):
     COMMANDS = [["run"], ["experiment", "list"], ["experiment", "run"], ["report"], ["schema"], ["replay"],
-                ["export"], ["graph"], ["log", "info"], ["log", "repair"], ["doctor"], ["pad"]]
+                ["export"], ["graph"], ["log", "info"], ["log", "repair"], ["sweep"], ["merge"], ["rerun"],
+                ["doctor"], ["pad"]]
 
     def examples(self):
         for words in [[], *self.COMMANDS]:
@@ -31,7 +33,8 @@ class Help(InFolder):
 
     def test_has_an_example_of_every_command_that_runs(self):
         stiff = self.scenario.replace("duration_s: 1\n", "duration_s: 0.1\n")
-        self.write("my_arm.yaml", stiff + "runs:\n  - {name: stiff, title: stiff}\n")
+        self.write("my_arm.yaml", stiff + "runs:\n  - {name: stiff, title: stiff}\n"
+                   "numbers:\n  - {name: fastest, title: fastest, signal: arm.velocity}\n")
         os.symlink(command.pliant_file, self.folder / "pliant")
         environment = {**os.environ, "PATH": f"{self.folder}:{os.environ['PATH']}"}
         ran = 0
@@ -47,7 +50,7 @@ class Help(InFolder):
                                   capture_output=True, text=True)
             self.assertEqual(done.returncode, 0, f"{example}\n{done.stderr}")
             ran += 1
-        self.assertEqual(ran, 11)
+        self.assertEqual(ran, 14)
 
     def test_says_the_version_and_the_exit_codes(self):
         self.assertRegex(self.ends(0, "--version"), r"^\d+\.\d+\.\d+\n$")

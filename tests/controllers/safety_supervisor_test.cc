@@ -195,6 +195,29 @@ TEST(SafetySupervisor, LetsTheControllerBackWhenAFaultIsOverAndAcknowledged) {
   }
 }
 
+TEST(SafetySupervisor, LeadsFromWhereTheArmIsHeldToTheControllersPosition) {
+  Watched w(ControlMode::Position);
+  w.Tick(2);
+  w.t.Set(w.t->position_command, {kNaN, 0, 0, 0, 0, 0, 0});
+  w.Tick(50);
+  ASSERT_EQ(w.report().state, Holding);
+  JointPosition wanted = kHome;
+  wanted(1) += 0.05;
+  w.t.Set(w.t->position_command, wanted);
+  w.Tick();
+  w.t.Set(w.t->word, {.acknowledged = 1});
+  w.Tick();
+  const double held = w.t.Get(w.t->arm_position)(1);
+  double before = held;
+  for (int k = 0; k < 600; ++k) {
+    w.Tick();
+    EXPECT_GE(w.t.Get(w.t->arm_position)(1), before);
+    before = w.t.Get(w.t->arm_position)(1);
+  }
+  EXPECT_EQ(held, kHome(1));
+  EXPECT_EQ(before, wanted(1));
+}
+
 /// What goes wrong, and how it is called.
 struct Fault {
   SafetyCause cause;

@@ -153,6 +153,18 @@ TEST(ArmFirmware, SeesItsTorqueErrorThroughKinovasLag) {
   }
 }
 
+TEST(ArmFirmware, LeavesATorqueThatIsThereAndBrakesAMotorThatTurns) {
+  ArmFirmware::Options o = Options(ControlMode::Torque);
+  o.torque_feedback = 3;
+  o.torque_damping = 4;
+  Tester t(o);
+  t.Set(t->torque_command, {22, -7.6});
+  t.Set(t->torque, {22, -7.6});
+  t.Set(t->motor_velocity, {0.5, -0.5});
+  for (int k = 0; k < 5; ++k) t.Tick();
+  EXPECT_LT((t.Get(t->current) - Eigen::Vector2d((22 - 2) / 11., (-7.6 + 2) / 7.6)).norm(), 1e-14);
+}
+
 TEST(ArmFirmware, CarriesTheWeightOfAnArmThatSaysSo) {
   const RobotModel lwr = Lwr();
   const int n = lwr.size();

@@ -98,6 +98,23 @@ TEST(ElasticTransmission, LosesWhatItsDamperTakes) {
   EXPECT_NEAR(start - energy(), lost, 4 * std::pow(800 * h, 2) / 12 * start);
 }
 
+TEST(ElasticTransmission, FrictionTakesFromItsMotor) {
+  BlockTester<ElasticTransmission> t(
+      {.joints = kTwo, .parameters = Springs(), .position = JointPosition::Zero(kTwo)});
+  t.Set(t->motor_torque, {5, -3});
+  t.Set(t->friction, {1, -1});
+  t.Set(t->position, JointPosition::Zero(kTwo));
+  t.Set(t->velocity, JointVelocity::Zero(kTwo));
+  t.simulator().AdvanceTo(0.001);
+  const Eigen::Vector2d K{25000, 6000}, left{4, -2};
+  for (int j = 0; j < 2; ++j) {  // the link is held: B ω̇ = τ_m − τ_f − K θ
+    const double w = std::sqrt(K(j) / kRotors(j));
+    const double rate = left(j) / kRotors(j) / w * std::sin(w * 0.001);
+    EXPECT_NEAR(t.Get(t->motor_velocity)(j), rate,
+                1e-4 * std::abs(rate));  // relative tolerance 1e-6
+  }
+}
+
 TEST(RigidTransmission, MeasuresBehindTheRotor) {
   BlockTester<RigidTransmission> t({.joints = kTwo, .parameters = Springs()});
   t.Set(t->motor_torque, {5, -3});

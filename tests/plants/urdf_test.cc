@@ -204,6 +204,8 @@ TEST(Urdf, NumbersAreFiniteNumbers) {
       "arm.urdf:6: link \"upper\", <origin>: xyz: expected 3 finite numbers, got \"0 0 nan\"");
   EXPECT_EQ(Complaint("ixx=\"0.03\"", "ixx=\"inf\""),
             "arm.urdf:8: link \"upper\", <inertia>: ixx: expected a finite number, got \"inf\"");
+  EXPECT_EQ(Complaint("izz=\"0.01\"", "izz=\"x\""),
+            "arm.urdf:8: link \"upper\", <inertia>: izz: expected a finite number, got \"x\"");
   EXPECT_EQ(
       Complaint("xyz=\"0 0 0.4\"", "xyz=\"0 0.4\""),
       "arm.urdf:24: joint \"shoulder\", <origin>: xyz: expected 3 finite numbers, got \"0 0.4\"");

@@ -23,7 +23,7 @@ def main(root):
     cells = [line.split("|")[1] for line in document.read_text().splitlines() if line.startswith("| `")]
     named = [name for cell in cells for name in NAMED.findall(cell)]
     problems = [f"{document}: '{name}' stands there twice" for name in {n for n in named if named.count(n) > 1}]
-    headers = [p for p in tree.files(".", ".h") if p.parts[0] not in ("tests", "apps", "bench")]
+    headers = [p for p in tree.files(".", ".h") if p.parts[0] not in ("tests", "apps", "bench", "python")]
     text = "\n".join(p.read_text() for p in headers)
     for name in named:
         if not re.search(rf"^(?:class|struct) {name}\b[^;]*$|^[\w:<>& ]+ {name}\(", text, re.M):

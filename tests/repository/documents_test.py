@@ -25,7 +25,7 @@ from pathlib import Path
 import tree
 
 COMMANDS = Path(__file__).with_name("commands.txt")
-SCRIPT = re.compile(r"(?:\./setup|\./demo|\./check|\.ci/run|bench/run|cmake|ctest|git|cd|clang-format|python3)\b")
+SCRIPT = re.compile(r"(?:\./setup|\./demo|\./check|\.ci/run|bench/run|cmake|ctest|git|cd|clang-format|python3|cpack|sudo apt-get)\b")
 MARKED = re.compile(r"<!-- example: ([^\s#]+)(?:#(\w+))? -->\n\s*```(\w+)\n(.*?)```", re.S)
 RUN_IN = re.compile(r"^<!-- run in: (\S+) -->$", re.M)
 BLOCK = re.compile(r"^```(\w*)\n(.*?)^```", re.S | re.M)

@@ -2,12 +2,14 @@
 
     install_test.py ROOT BUILD COMPILER [FLAG…]
 
-Then every example runs, in an environment without paths of this build, and ends with 0; and so do the
-commands of the documents that are run as a whole, see documents_test.py, with the installation in
-~/pliant.
+What is installed are the Debian packages, if the build makes them and has no flags: unpacked, so that
+nobody has to be root. Then every example runs, in an environment without paths of this build, and ends
+with 0; and so do the commands of the documents that are run as a whole, see documents_test.py, with the
+installation in ~/pliant.
 """
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -42,9 +44,41 @@ def follow(document, folder, blocks, environment):
                 sys.exit(f"{document}:\n{lines}do not print\n{text}")
 
 
+def fields(package):
+    shown = subprocess.run(["dpkg-deb", "--field", package], check=True, stdout=subprocess.PIPE, text=True)
+    return dict(re.findall(r"^([\w-]+): (.*)$", shown.stdout, re.M))
+
+
+def unpack_packages(folder, prefix):
+    """Makes the packages, and puts what they have in /usr into the prefix."""
+    made, unpacked = folder / "packages", folder / "root"
+    run("cpack", "--config", Path(build) / "CPackConfig.cmake", "-B", made, stdout=subprocess.DEVNULL)
+    packages = {fields(package)["Package"]: package for package in made.glob("*.deb")}
+    version = re.search(r"project\(pliant VERSION (\S+)", (Path(root) / "CMakeLists.txt").read_text())[1]
+    python = "python" in subprocess.run(["grep", "CPACK_COMPONENTS_ALL", Path(build) / "CPackConfig.cmake"],
+                                        check=True, stdout=subprocess.PIPE, text=True).stdout
+    assert packages.keys() == {"libpliant", "libpliant-dev"} | ({"python3-pliant"} if python else set())
+    for name, package in packages.items():
+        told = fields(package)
+        assert told["Version"] == version, told
+        wanted = {"libpliant": "libsimbody3.7", "libpliant-dev": "libeigen3-dev", "python3-pliant": "python3-numpy"}
+        assert wanted[name] in told["Depends"], told
+        assert name == "libpliant" or f"libpliant (= {version})" in told["Depends"], told
+        run("dpkg-deb", "-x", package, unpacked)
+        for document in ("changelog.gz", "copyright"):
+            assert (unpacked / "usr/share/doc" / name / document).stat().st_size > 1000
+    changes = subprocess.run(["dpkg-parsechangelog", "-l", unpacked / "usr/share/doc/libpliant/changelog.gz"],
+                             check=True, capture_output=True, text=True)
+    assert f"Version: {version}\n" in changes.stdout and not changes.stderr, changes
+    (unpacked / "usr").rename(prefix)
+
+
 with tempfile.TemporaryDirectory() as folder:
     prefix, consumer, out = (Path(folder) / name for name in ("pliant", "consumer", "build"))
-    run("cmake", "--install", build, "--prefix", prefix, stdout=subprocess.DEVNULL)
+    if not flags and shutil.which("dpkg-deb") and (Path(build) / "CPackConfig.cmake").exists():
+        unpack_packages(Path(folder), prefix)
+    else:
+        run("cmake", "--install", build, "--prefix", prefix, stdout=subprocess.DEVNULL)
     for path in prefix.rglob("*.cmake"):
         if str(Path(root).resolve()) in path.read_text():
             sys.exit(f"{path.relative_to(prefix)} names {root}")
@@ -62,7 +96,19 @@ with tempfile.TemporaryDirectory() as folder:
         run(program, cwd=folder, timeout=60)
     command = prefix / "bin" / "pliant"
     if command.exists():
-        run(command, "--help", stdout=subprocess.DEVNULL)
+        run(command, "run", Path(root) / "examples/pushed_arm.yaml", "--check")
+        # Its own experiments, also where the libraries are found by a link. The message names the file.
+        link = Path(folder) / "a" / "lib"
+        link.parent.mkdir()
+        link.symlink_to(prefix / "lib")
+        too_short = ("experiment", "run", "null-space-compliance", "--set", "duration_s=1", "--out", "none")
+        told = subprocess.run([command, *too_short], env={"LD_LIBRARY_PATH": str(link)}, stderr=subprocess.PIPE,
+                              text=True).stderr
+        assert f"{prefix.resolve()}/share/pliant/experiments/null-space-compliance.yaml" in told, told
+    if not flags and (prefix / "lib/python3/dist-packages").exists():
+        run("/usr/bin/python3", "-c", "import pliant; s = pliant.Simulation(pliant.Scenario.read("
+            f"'{root}/examples/pushed_arm.yaml', set={{'duration_s': 0.01}})); s.run(); print(s.log())", cwd=folder,
+            env={"PYTHONPATH": str(prefix / "lib/python3/dist-packages")})
 
     os.chdir(root)
     environment = {**os.environ, "HOME": folder, "CXX": compiler, "CXXFLAGS": " ".join(flags),

@@ -1,6 +1,6 @@
 """Reads every #include and fails on a step to the right in
 
-    systems <- plants <- estimators, controllers <- diagrams <- analysis <- apps
+    systems <- plants <- estimators, controllers <- diagrams <- analysis <- apps, python
 
 and on a public header (one that its folder's CMakeLists.txt names) that shows anything but the
 standard library, Eigen and public headers of pliant.
@@ -16,7 +16,7 @@ from pathlib import Path
 import tree
 
 RANK = {"systems": 0, "plants": 1, "estimators": 2, "controllers": 2, "diagrams": 3, "analysis": 4,
-        "apps": 5}
+        "apps": 5, "python": 5}
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
 STANDARD = re.compile(r"[a-z0-9_]+")
 

@@ -18,7 +18,8 @@ import tree
 
 TEXT = (".h", ".cc", ".py", ".cmake", ".in", ".md", ".txt", ".json", ".yaml", ".yml", ".tsv", ".js",
         ".mjs", ".css", ".html", ".sh", ".gp")
-SCRIPTS = ("setup", "demo", "check", ".ci/run", "bench/run")
+SCRIPTS = ("setup", "demo", "check", ".ci/run", "bench/run", "tests/fuzz/run",
+           "tests/long/nightly")
 
 # Directories of one person's machine, and promises. Split so that this file passes its own check.
 OUTSIDE = re.compile(r"(?<![\w.${}<-])/(?:home|root|work|Users|mnt|media)/\w|\.\./shared\b")

@@ -1,0 +1,6 @@
+# What fuzzers begin with and what they have found, through the same functions; the fuzzers themselves are
+# made by the preset fuzz.
+pliant_test(fuzz/corpus_test.cc LIBRARIES pliant::analysis pliant_kortex nlohmann_json::nlohmann_json)
+foreach(target urdf actuators kortex wrench scenario mcap csv foxglove)
+  target_sources(fuzz_corpus_test PRIVATE fuzz/${target}.cc)
+endforeach()
