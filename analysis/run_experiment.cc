@@ -166,8 +166,10 @@ class Execution {
                    : Advance(job, sim, *log, wall);
       if (whole && IsAtTick(duration, period) && !sim.ended()) {
         sim.AdvanceThroughTick();
-        ++ticks_shown_;
-        if (sim.ended()) reason_ = sim.ended()->text();
+        if (view) {  // which shows the only run: other threads have no others
+          ++ticks_shown_;
+          if (sim.ended()) reason_ = sim.ended()->text();
+        }
       }
     } catch (const std::exception& reason) {
       if (view) view->End(reason.what());
