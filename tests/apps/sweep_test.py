@@ -71,8 +71,7 @@ class Sweeps(InFolder):
 
         for name, launch in (("mpirun", ["mpirun", "-np", "2", "--oversubscribe"]),
                              ("parallel", ["parallel", "--will-cite", "--quote", "--jobs", "2"])):
-            if not shutil.which(name):
-                continue
+            self.assertTrue(shutil.which(name), f"no {name}: ./setup --test installs it")
             words = [str(word) for word in [command.pliant_file, *SWEEP, "--out", name]]
             shards = ["--shard", "{}/2", ":::", "1", "2"] if name == "parallel" else []
             done = subprocess.run(launch + words + shards, cwd=self.folder, capture_output=True, text=True, timeout=120,
