@@ -67,21 +67,22 @@ export class Parameters {
       { class: "block", open: this.open.has(block) },
       make(
         "summary",
-        {},
+        { onclick: () => this.#remember(block, !details.open) },
         make("span", { class: "path" }, ...nameText(block || "others")),
         make("span", { class: "unit" }, String(parameters.length)),
       ),
     );
     const group = { block, details, parameters };
-    details.addEventListener("toggle", () => {
-      if (!this.searching) {
-        if (details.open) this.open.add(block);
-        else this.open.delete(block);
-        this.memory.set("groups", [...this.open]);
-      }
-      this.#fill(group);
-    });
+    details.addEventListener("toggle", () => this.#fill(group));
     return group;
+  }
+
+  /// What the reader wants open. Asked at the click: a toggle comes later, when a search may have begun.
+  #remember(block, open) {
+    if (this.searching) return;
+    if (open) this.open.add(block);
+    else this.open.delete(block);
+    this.memory.set("groups", [...this.open]);
   }
 
   /// Hundreds of controls are made when they are seen.

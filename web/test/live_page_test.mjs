@@ -157,6 +157,20 @@ await test("a group opens to show its parameters, and a search opens those that 
   await labelled(page, "pose.limit").waitFor({ state: "hidden" });
 });
 
+await test("a group that is closed stays so, also if a search begins at once", async () => {
+  await page.locator("#replay .block summary").click();
+  await labelled(page, "pose.limit").waitFor();
+  await page.evaluate(() => {
+    document.querySelector("#replay .block summary").click();
+    const search = document.querySelector('[aria-label="Find a parameter"]');
+    search.value = "LIM"; // before the group's toggle event comes
+    search.dispatchEvent(new Event("input"));
+  });
+  await labelled(page, "pose.limit").waitFor();
+  await labelled(page, "Find a parameter").fill("");
+  await labelled(page, "pose.limit").waitFor({ state: "hidden", timeout: 10000 });
+});
+
 await test("while a slider moves 20 changes a second are sent at most, and the last one", async () => {
   const wanted = Array.from({ length: 100 }, (_, i) => i / 50);
   server.sent.length = 0;
