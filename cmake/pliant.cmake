@@ -34,6 +34,10 @@ if(PLIANT_SANITIZE)
                                                   -fno-sanitize-recover=all)
   target_link_options(pliant_options INTERFACE -fsanitize=${PLIANT_SANITIZE})
 endif()
+if(PLIANT_COVERAGE)
+  target_compile_options(pliant_options INTERFACE --coverage -fprofile-update=atomic)
+  target_link_options(pliant_options INTERFACE --coverage)
+endif()
 
 # pliant_library(FOLDER HEADERS … SOURCES … PUBLIC … PRIVATE …): the library pliant::FOLDER.
 # HEADERS are installed; a header that is not listed is private to its folder. Libraries are shared, so
@@ -79,8 +83,12 @@ function(pliant_library name)
   set_property(GLOBAL APPEND PROPERTY pliant_public_headers ${ARG_HEADERS})
 endfunction()
 
-# A test's own code runs once: compiling it at -O3 would take twice as long. What it tests is in the libraries.
+# A test's own code runs once: compiling it at -O3 or with the checks of undefined behaviour, which are for
+# the libraries and the command, takes half as long again and more.
 set(pliant_test_options $<$<CONFIG:Release>:-O1>)
+if(PLIANT_SANITIZE MATCHES undefined)
+  list(APPEND pliant_test_options -fno-sanitize=undefined)
+endif()
 
 # pliant_test(FOLDER/NAME_test.cc [LIBRARIES …] [LABELS …]): one test program, one CTest entry FOLDER/NAME.
 function(pliant_test source)
