@@ -149,10 +149,8 @@ class Execution {
     const Duration period = scene.control_period;
     const auto end = [&](bool whole) {
       if (!log) return;
-      // The tick at the end, if there is one, is the last.
-      const std::int64_t ticks =
-          TicksBefore(sim.time(), period) + (whole && IsAtTick(sim.time(), period));
-      log->AddMetadata("pliant.run", RunEndOf(sim, whole, wall(), view ? ticks_shown_ : ticks));
+      const std::int64_t ticks = view ? ticks_shown_ : TicksOf(sim, period);
+      log->AddMetadata("pliant.run", RunEndOf(sim, whole, wall(), ticks));
       log->Close();
     };
     bool whole = false;
@@ -164,12 +162,10 @@ class Execution {
                            .diagram = &diagram,
                            .panel = scene.safety ? panel : nullptr})
                    : Advance(job, sim, *log, wall);
-      if (whole && IsAtTick(duration, period) && !sim.ended()) {
-        sim.AdvanceThroughTick();
-        if (view) {  // which shows the only run: other threads have no others
-          ++ticks_shown_;
-          if (sim.ended()) reason_ = sim.ended()->text();
-        }
+      // A view shows the only run: other threads have no others.
+      if (whole && TickAtEnd(sim, duration, period) && view) {
+        ++ticks_shown_;
+        if (sim.ended()) reason_ = sim.ended()->text();
       }
     } catch (const std::exception& reason) {
       if (view) view->End(reason.what());

@@ -7,6 +7,26 @@
 
 namespace pliant {
 
+namespace {
+
+constexpr double kRoundOff = 1e-9;  // of times [s], as ticks are whole nanoseconds
+
+std::int64_t TicksBefore(double t, Duration period) {
+  return std::llround(std::ceil(t / seconds(period) - kRoundOff));
+}
+
+bool IsAtTick(const Simulator& sim, Duration period) {
+  const double t = sim.time();
+  return std::abs(static_cast<double>(TicksBefore(t, period)) * seconds(period) - t) < kRoundOff;
+}
+
+/// Whether what ticks at the time that was reached has done so.
+bool IsThroughTick(const Simulator& sim) {
+  return sim.next_tick_ns() > std::llround(1e9 * sim.time());
+}
+
+}  // namespace
+
 McapLog::Options RunLogOf(const RunLog& log) {
   return {.file = log.file,
           .force = log.force,
@@ -41,12 +61,16 @@ std::map<std::string, std::string> RunEndOf(const Simulator& sim, bool whole, do
   return told;
 }
 
-bool IsAtTick(double t, Duration period) {
-  return std::abs(static_cast<double>(TicksBefore(t, period)) * seconds(period) - t) < 1e-9;
+bool TickAtEnd(Simulator& sim, double duration_s, Duration period) {
+  if (std::abs(sim.time() - duration_s) > kRoundOff || sim.ended() || !IsAtTick(sim, period) ||
+      IsThroughTick(sim))
+    return false;
+  sim.AdvanceThroughTick();
+  return true;
 }
 
-std::int64_t TicksBefore(double t, Duration period) {
-  return std::llround(std::ceil(t / seconds(period) - 1e-9));
+std::int64_t TicksOf(const Simulator& sim, Duration period) {
+  return TicksBefore(sim.time(), period) + (IsAtTick(sim, period) && IsThroughTick(sim));
 }
 
 }  // namespace pliant

@@ -28,9 +28,10 @@ McapLog::Options RunLogOf(const RunLog& log);
 std::map<std::string, std::string> RunEndOf(const Simulator& sim, bool whole, double wall_s,
                                             std::int64_t ticks);
 
-/// Whether there is a tick of that period at t [s].
-bool IsAtTick(double t, Duration period);
-/// How many there are before t.
-std::int64_t TicksBefore(double t, Duration period);
+/// Makes the tick at the end of a run that came there, if there is one that is not made yet.
+/// Whether it did.
+bool TickAtEnd(Simulator& sim, double duration_s, Duration period);
+/// How many ticks of that period were made.
+std::int64_t TicksOf(const Simulator& sim, Duration period);
 
 }  // namespace pliant

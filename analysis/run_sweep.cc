@@ -17,9 +17,9 @@ namespace pliant {
 
 namespace {
 
-class Making {
+class SweepRunner {
  public:
-  Making(const Sweep& sweep, const SweepOptions& options)
+  SweepRunner(const Sweep& sweep, const SweepOptions& options)
       : sweep_{sweep}, options_{options}, is_there_(sweep.runs()) {}
 
   SweepResults Run() {
@@ -58,14 +58,14 @@ class Making {
       // The end of a part that is being written may lack a piece of a row.
       if (!IsBeingWritten(other))
         for (const std::string& line : content.damaged) Say(other.string() + ": " + line);
-      for (const SweepRow& row : content.rows) Have(row, other);
+      for (const SweepRow& row : content.rows) Add(row, other);
     }
     part_.emplace(file, sweep_);
-    for (const std::string& line : part_->told()) Say(line);
-    for (const SweepRow& row : part_->rows()) Have(row, file);
+    for (const std::string& line : part_->damage()) Say(line);
+    for (const SweepRow& row : part_->rows()) Add(row, file);
   }
 
-  void Have(const SweepRow& row, const std::filesystem::path& file) {
+  void Add(const SweepRow& row, const std::filesystem::path& file) {
     sweep_.RequireOwn(row, file.string());
     is_there_[row.run] = true;
     rows_.emplace_back(row, file.string());
@@ -123,6 +123,8 @@ class Making {
 
 }  // namespace
 
-SweepResults RunSweep(const Sweep& sweep, const SweepOptions& o) { return Making(sweep, o).Run(); }
+SweepResults RunSweep(const Sweep& sweep, const SweepOptions& o) {
+  return SweepRunner(sweep, o).Run();
+}
 
 }  // namespace pliant

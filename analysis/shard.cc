@@ -1,31 +1,25 @@
 #include "pliant/analysis/shard.h"
 
-#include <charconv>
 #include <cstdlib>
 #include <string_view>
 
 #include "pliant/analysis/printable.h"
+#include "pliant/analysis/read_number.h"
 #include "pliant/systems/error.h"
 
 namespace pliant {
+
+using internal::ReadNumber;
 
 namespace {
 
 constexpr std::uint32_t kMostShards = 1'000'000;
 
-std::optional<std::uint32_t> NumberOf(std::string_view text) {
-  std::uint32_t value = 0;
-  const char* const end = text.data() + text.size();
-  const auto [at, error] = std::from_chars(text.data(), end, value);
-  if (error != std::errc() || at != end) return std::nullopt;
-  return value;
-}
-
 using Variable = std::function<std::optional<std::string>(const char*)>;
 
 std::uint32_t NumberIn(const Variable& variable, const char* name) {
   const std::optional<std::string> text = variable(name);
-  const std::optional<std::uint32_t> number = text ? NumberOf(*text) : std::nullopt;
+  const auto number = text ? ReadNumber<std::uint32_t>(*text) : std::nullopt;
   if (!number)
     throw Error("the launcher's " + std::string(name) + " must be a whole number, got " +
                 (text ? "'" + Printable(*text) + "'" : "none") + "; --shard 1/1 does without it");
@@ -64,9 +58,9 @@ Shard ShardOf(const Rank& rank, std::string from) {
 
 Shard Shard::Read(const std::string& text) {
   const std::size_t sign = text.find('/');
-  const auto number = NumberOf(std::string_view(text).substr(0, sign));
-  const auto of =
-      sign == std::string::npos ? std::nullopt : NumberOf(std::string_view(text).substr(sign + 1));
+  const auto number = ReadNumber<std::uint32_t>(std::string_view(text).substr(0, sign));
+  const auto of = ReadNumber<std::uint32_t>(
+      sign == std::string::npos ? "" : std::string_view(text).substr(sign + 1));
   if (!number || !of || *number < 1 || *number > *of || *of > kMostShards)
     throw Error("--shard wants i/N with 1 <= i <= N <= " + std::to_string(kMostShards) +
                 ", such as 2/8, got " + Printable(text));

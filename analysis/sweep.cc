@@ -10,9 +10,9 @@
 #include <utility>
 
 #include "pliant/analysis/advance_run.h"
+#include "pliant/analysis/memory_sink.h"
 #include "pliant/analysis/printable.h"
 #include "pliant/analysis/recorded_names.h"
-#include "pliant/analysis/recording_sink.h"
 #include "pliant/analysis/run_log.h"
 #include "pliant/plants/parameter_text.h"
 #include "pliant/systems/nearest_name.h"
@@ -44,7 +44,7 @@ Experiment OneOf(const ExperimentFile& file, const std::string& run) {
   std::string list;
   for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
   Require(!run.empty() || runs.size() == 1,
-          "the file has " + Text(runs.size()) + " runs; name the one to sweep with --run: " + list);
+          "the file has " + Text(runs.size()) + " runs; name the one to sweep: " + list);
   const auto found = run.empty() ? names.begin() : std::ranges::find(names, run);
   if (found == names.end()) throw Error("there is no run '" + run + "'" + DidYouMean(run, names));
   return {.title = file.experiment.title,
@@ -53,26 +53,26 @@ Experiment OneOf(const ExperimentFile& file, const std::string& run) {
           .numbers = file.experiment.numbers};
 }
 
-void RequireOfScenario(const Swept& swept) {
+void RequireOfScenario(const SweptValue& swept) {
   std::vector<std::string> known;
   Scenario{}.Parameters([&](std::string_view name, auto&, std::string_view = {},
                             const Range& = kAnyNumber) { known.emplace_back(name); });
   const std::string key = swept.path().substr(0, swept.path().find('.'));
   if (std::ranges::find(known, key) == known.end())
-    throw Error("--over " + swept.text() + ": a scenario has no key '" + key + "'" +
+    throw Error("swept " + swept.text() + ": a scenario has no key '" + key + "'" +
                 DidYouMean(key, known));
-  Require(key != "robot", "--over " + swept.text() + ": all runs of a sweep have one robot");
+  Require(key != "robot", "swept " + swept.text() + ": all runs of a sweep have one robot");
 }
 
 }  // namespace
 
 bool SweepRow::operator==(const SweepRow& other) const {
-  return run == other.run && AreIdentical(drawn, other.drawn) &&
+  return run == other.run && AreIdentical(random, other.random) &&
          AreIdentical(numbers, other.numbers) && ended == other.ended && failed == other.failed;
 }
 
 /// What text() says.
-struct Sweep::Told {
+struct Sweep::Description {
   std::string version = PLIANT_VERSION, built_with = PLIANT_BUILT_WITH;
   std::uint64_t runs = 0;
   std::vector<std::string> over = {};
@@ -90,28 +90,28 @@ struct Sweep::Told {
 
 Sweep::Sweep(const ExperimentFile& file, const std::string& run,
              const std::vector<std::string>& over, std::uint64_t runs)
-    : Sweep(Told{.runs = runs, .over = over, .experiment = OneOf(file, run)}, "sweep") {}
+    : Sweep(Description{.runs = runs, .over = over, .experiment = OneOf(file, run)}, "sweep") {}
 
 Sweep Sweep::ReadText(const std::string& text, const std::string& source) {
-  Told told;
-  ParameterFile::ReadText(text, source).Fill(told);
-  Sweep sweep(told, source);
+  Description description;
+  ParameterFile::ReadText(text, source).Fill(description);
+  Sweep sweep(description, source);
   sweep.text_ = text;
   return sweep;
 }
 
-Sweep::Sweep(const Told& told, const std::string& source)
-    : experiment_{told.experiment},
-      scenario_{ParameterFile::ReadText(ParametersText(told.experiment.scenario), source)} {
-  Require(ParametersText(told).size() <= kMostText,
+Sweep::Sweep(const Description& description, const std::string& source)
+    : experiment_{description.experiment},
+      scenario_{ParameterFile::ReadText(ParametersText(description.experiment.scenario), source)} {
+  Require(ParametersText(description).size() <= kMostText,
           "what is swept may take " + Text(kMostText) +
-              " bytes to say; give --over fewer values, or from:to:count",
-          ParametersText(told).size());
+              " bytes to say; sweep fewer values, or from:to:count",
+          ParametersText(description).size());
   // All that is refused of an experiment is refused of one in a file of somebody else.
   ExperimentFile::ReadText(ParametersText(experiment_), source);
   Require(!IsHardware(experiment_.scenario),
           "a sweep simulates, and station !Gen3 is an arm that is there");
-  Require(experiment_.numbers.size() <= kMostNumbers && told.over.size() <= kMostNumbers,
+  Require(experiment_.numbers.size() <= kMostNumbers && description.over.size() <= kMostNumbers,
           "a sweep has at most " + Text(kMostNumbers) + " numbers, and as many --over");
   Require(!experiment_.numbers.empty(),
           "there is no number to measure: the file has no 'numbers', a list of {name, title, "
@@ -119,13 +119,13 @@ Sweep::Sweep(const Told& told, const std::string& source)
 
   std::set<std::string> columns{"run", "ended", "failed", "sweep"};
   double cells = 1;
-  for (const std::string& text : told.over) {
-    const Swept swept(text);
+  for (const std::string& text : description.over) {
+    const SweptValue swept(text);
     RequireOfScenario(swept);
-    for (const Swept& other : over_)
+    for (const SweptValue& other : over_)
       Require(
           !LiesIn(swept.path(), other.path()) && !LiesIn(other.path(), swept.path()),
-          "--over " + text + ": " + other.path() + " is swept too, and one would hide the other");
+          "swept " + text + ": " + other.path() + " is swept too, and one would hide the other");
     columns.insert(swept.path());
     over_.push_back(swept);
     sweeps_seed_ = sweeps_seed_ || swept.path() == "seed";
@@ -135,7 +135,7 @@ Sweep::Sweep(const Told& told, const std::string& source)
     if (swept.is_random()) values = {internal::YamlText(mean), internal::YamlText(beside)};
     for (const std::string& value : values) {
       ParameterFile changed = scenario_;
-      changed.Set(swept.path(), value, "--over " + swept.path() + "=" + value);
+      changed.Set(swept.path(), value, "swept " + swept.path() + "=" + value);
       Scenario filled;
       changed.Fill(filled);
     }
@@ -147,9 +147,9 @@ Sweep::Sweep(const Told& told, const std::string& source)
     Require(columns.insert(number.name).second,
             "number '" + number.name + "': another column of the results has that name");
   cells_ = static_cast<std::uint64_t>(cells);
-  runs_ = told.runs == 0 ? cells_ : told.runs;
+  runs_ = description.runs == 0 ? cells_ : description.runs;
 
-  Told all = told;
+  Description all = description;
   all.runs = runs_;
   text_ = ParametersText(all);
   const auto names = std::make_shared<RecordedNames>();
@@ -174,10 +174,10 @@ std::vector<std::size_t> Sweep::IndicesOf(std::uint64_t run) const {
   return indices;
 }
 
-std::vector<double> Sweep::DrawnIn(std::uint64_t run) const {
+std::vector<double> Sweep::RandomValuesOf(std::uint64_t run) const {
   std::vector<double> drawn;
-  for (const Swept& swept : over_)
-    if (swept.is_random()) drawn.push_back(swept.Drawn(StreamOf(run).Part(1 + drawn.size())));
+  for (const SweptValue& swept : over_)
+    if (swept.is_random()) drawn.push_back(swept.Draw(StreamOf(run).Part(1 + drawn.size())));
   return drawn;
 }
 
@@ -189,7 +189,7 @@ Scenario Sweep::ScenarioOf(std::uint64_t run) const {
   ParameterFile changed = scenario_;
   if (!sweeps_seed_) changed.Set("seed", std::to_string(SeedOf(run)), "seed");
   const std::vector<std::size_t> indices = IndicesOf(run);
-  const std::vector<double> drawn = DrawnIn(run);
+  const std::vector<double> drawn = RandomValuesOf(run);
   std::size_t random = 0;
   for (std::size_t i = 0; i < over_.size(); ++i) {
     const std::string value =
@@ -209,23 +209,20 @@ ExperimentFile Sweep::FileOf(std::uint64_t run) const {
 }
 
 std::optional<SweepRow> Sweep::Make(std::uint64_t run, const std::atomic<bool>* stop) const {
-  SweepRow row{
-      .run = run, .drawn = DrawnIn(run), .numbers = std::vector<double>(numbers().size(), kNone)};
+  SweepRow row{.run = run,
+               .random = RandomValuesOf(run),
+               .numbers = std::vector<double>(numbers().size(), kNone)};
   try {
     const Scenario scenario = ScenarioOf(run);
     std::vector<std::string> paths;
     for (const NamedNumber& number : numbers()) paths.push_back(number.number.signal);
-    // A row at each end, and one that round-off may make of a period.
-    const double periods = scenario.duration_s / seconds(LogPeriodOf(scenario));
-    const auto sink =
-        std::make_shared<RecordingSink>(paths, static_cast<Eigen::Index>(periods) + 2);
+    const auto sink = std::make_shared<MemorySink>(paths);
     ScenarioDiagram scene(scenario, sink);
     const Diagram diagram = scene.builder.Build();
     Simulator sim(diagram, {.integrator = scenario.integrator});
     if (!internal::AdvanceInParts(sim, scenario.duration_s, [&] { return !stop || !*stop; }))
       return std::nullopt;
-    if (IsAtTick(scenario.duration_s, scene.control_period) && !sim.ended())
-      sim.AdvanceThroughTick();
+    TickAtEnd(sim, scenario.duration_s, scene.control_period);
     if (const std::optional<Simulator::Ending> ending = sim.ended()) row.ended = ending->text();
     Measure(sink->recording(), row);
   } catch (const std::bad_alloc&) {
@@ -238,17 +235,17 @@ std::optional<SweepRow> Sweep::Make(std::uint64_t run, const std::atomic<bool>* 
 }
 
 void Sweep::RequireOwn(const SweepRow& row, const std::string& where) const {
-  const auto random = std::ranges::count_if(over_, &Swept::is_random);
+  const auto random = std::ranges::count_if(over_, &SweptValue::is_random);
   Require(
-      row.run < runs_ && std::ssize(row.drawn) == random && row.numbers.size() == numbers().size(),
+      row.run < runs_ && std::ssize(row.random) == random && row.numbers.size() == numbers().size(),
       where + ": expected rows of runs 0 to " + Text(runs_ - 1) + ", of " + Text(random) +
           " random values and " + Text(numbers().size()) + " numbers",
-      "run " + Text(row.run) + " of " + Text(row.drawn.size()) + " and " +
+      "run " + Text(row.run) + " of " + Text(row.random.size()) + " and " +
           Text(row.numbers.size()));
 }
 
 std::string Sweep::DifferenceOf(const SweepRow& a, const SweepRow& b) const {
-  if (!AreIdentical(a.drawn, b.drawn)) return "the random values";
+  if (!AreIdentical(a.random, b.random)) return "the random values";
   for (std::size_t i = 0; i < a.numbers.size(); ++i)
     if (!AreIdentical(a.numbers[i], b.numbers[i]))
       return numbers()[i].name + ", " + internal::YamlText(a.numbers[i]) + " and " +

@@ -7,14 +7,14 @@
 #include <vector>
 
 #include "pliant/analysis/experiment.h"
-#include "pliant/analysis/swept.h"
+#include "pliant/analysis/swept_value.h"
 
 namespace pliant {
 
 /// What one run of a sweep left. Rows are equal if they are so bit for bit.
 struct SweepRow {
   std::uint64_t run = 0;             ///< from 0
-  std::vector<double> drawn = {};    ///< the random values, in their order
+  std::vector<double> random = {};   ///< the values that were drawn, in their order
   std::vector<double> numbers = {};  ///< NaN where they could not be measured
   std::string ended = {};            ///< by which block, when and why; empty: none did
   std::string failed = {};           ///< why it could not be made or measured; empty: it was
@@ -45,14 +45,15 @@ class Sweep {
 
   std::uint64_t runs() const { return runs_; }
   std::uint64_t cells() const { return cells_; }
-  const std::vector<Swept>& over() const { return over_; }
+  bool sweeps_seed() const { return sweeps_seed_; }
+  const std::vector<SweptValue>& over() const { return over_; }
   const std::vector<NamedNumber>& numbers() const { return experiment_.numbers; }
   const std::vector<std::string>& units() const { return units_; }  ///< of the numbers
   const Experiment& experiment() const { return experiment_; }
 
   /// The index of the value that a run has of each of over(); of what is random, 0.
   std::vector<std::size_t> IndicesOf(std::uint64_t run) const;
-  std::vector<double> DrawnIn(std::uint64_t run) const;
+  std::vector<double> RandomValuesOf(std::uint64_t run) const;
   std::uint64_t SeedOf(std::uint64_t run) const;
   /// Throws Error if it cannot be.
   Scenario ScenarioOf(std::uint64_t run) const;
@@ -70,12 +71,12 @@ class Sweep {
   void Measure(const Recording& recording, SweepRow& row) const;
 
  private:
-  struct Told;
-  Sweep(const Told& told, const std::string& source);
+  struct Description;
+  Sweep(const Description& description, const std::string& source);
   RandomStream StreamOf(std::uint64_t run) const;
 
   Experiment experiment_;
-  std::vector<Swept> over_;
+  std::vector<SweptValue> over_;
   std::uint64_t runs_ = 0, cells_ = 1;
   bool sweeps_seed_ = false;
   std::string text_;

@@ -3,7 +3,6 @@
 #include <fcntl.h>
 #include <sys/file.h>
 #include <unistd.h>
-#include <zlib.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -11,14 +10,18 @@
 #include <cstring>
 #include <optional>
 #include <regex>
+#include <span>
 #include <string_view>
 #include <thread>
 #include <utility>
 
+#include "pliant/analysis/mcap_byte_reader.h"
 #include "pliant/analysis/printable.h"
 #include "pliant/analysis/write_file.h"
 
 namespace pliant {
+
+using internal::ByteReader, internal::BytesOf, internal::Crc32, internal::TextOf;
 
 namespace {
 
@@ -35,11 +38,10 @@ void PutText(std::string& bytes, const std::string& text) {
   bytes += text;
 }
 
+/// Of the size and the content.
 std::uint32_t CrcOf(std::string_view content) {
   const auto size = static_cast<std::uint32_t>(content.size());
-  uLong crc = crc32(0, reinterpret_cast<const Bytef*>(&size), sizeof size);
-  crc = crc32(crc, reinterpret_cast<const Bytef*>(content.data()), size);
-  return static_cast<std::uint32_t>(crc);
+  return Crc32(BytesOf(content), Crc32(std::as_bytes(std::span(&size, 1))));
 }
 
 /// Magic, size, checksum, content.
@@ -50,72 +52,56 @@ std::string Framed(std::string_view magic, const std::string& content) {
   return bytes + content;
 }
 
-/// Takes from the front of bytes; what is not there makes it fail once and for all.
-class Bytes {
- public:
-  explicit Bytes(std::string_view bytes) : bytes_{bytes} {}
-
-  template <class T>
-  T Take() {
-    T value{};
-    if (const std::string_view taken = Take(sizeof value); !failed_)
-      std::memcpy(&value, taken.data(), sizeof value);
-    return value;
-  }
-  std::string_view Take(std::size_t size) {
-    failed_ = failed_ || size > bytes_.size();
-    if (failed_) return {};
-    const std::string_view taken = bytes_.substr(0, size);
-    bytes_.remove_prefix(size);
-    return taken;
-  }
-  std::string TakeText() { return std::string(Take(Take<std::uint32_t>())); }
-  bool failed() const { return failed_; }
-  bool ended() const { return !failed_ && bytes_.empty(); }
-
- private:
-  std::string_view bytes_;
-  bool failed_ = false;
-};
-
 /// What a frame at the front of bytes holds, if there is a whole one.
 std::optional<std::string_view> ContentOf(std::string_view bytes, std::string_view magic,
                                           std::size_t most) {
   if (!bytes.starts_with(magic)) return std::nullopt;
-  Bytes in(bytes.substr(magic.size()));
-  const auto size = in.Take<std::uint32_t>(), crc = in.Take<std::uint32_t>();
-  if (in.failed() || size > most) return std::nullopt;
-  const std::string_view content = in.Take(size);
-  if (in.failed() || CrcOf(content) != crc) return std::nullopt;
-  return content;
+  try {
+    ByteReader in(BytesOf(bytes.substr(magic.size())), "", 0);
+    const auto size = in.Take<std::uint32_t>("size"), crc = in.Take<std::uint32_t>("checksum");
+    if (size > most) return std::nullopt;
+    const std::string_view content = TextOf(in.TakeBytes(size, "content"));
+    return CrcOf(content) == crc ? std::optional(content) : std::nullopt;
+  } catch (const Error&) {
+    return std::nullopt;
+  }
 }
 
 std::string ContentOf(const SweepRow& row) {
   std::string bytes;
   Put(bytes, row.run);
-  Put(bytes, static_cast<std::uint32_t>(row.drawn.size()));
+  Put(bytes, static_cast<std::uint32_t>(row.random.size()));
   Put(bytes, static_cast<std::uint32_t>(row.numbers.size()));
-  for (const auto* numbers : {&row.drawn, &row.numbers})
+  for (const auto* numbers : {&row.random, &row.numbers})
     for (const double number : *numbers) Put(bytes, number);
   PutText(bytes, row.ended);
   PutText(bytes, row.failed);
   return bytes;
 }
 
-std::optional<SweepRow> RowOf(std::string_view content) {
-  Bytes in(content);
+std::optional<SweepRow> RowOf(std::string_view content) try {
+  ByteReader in(BytesOf(content), "", 0);
   SweepRow row;
-  row.run = in.Take<std::uint64_t>();
-  const std::size_t drawn = in.Take<std::uint32_t>(), numbers = in.Take<std::uint32_t>();
-  if (drawn > content.size() || numbers > content.size()) return std::nullopt;
-  row.drawn.resize(drawn);
-  row.numbers.resize(numbers);
-  for (auto* all : {&row.drawn, &row.numbers})
-    for (double& number : *all) number = in.Take<double>();
-  row.ended = in.TakeText();
-  row.failed = in.TakeText();
-  if (!in.ended()) return std::nullopt;
-  return row;
+  row.run = in.Take<std::uint64_t>("run");
+  const std::size_t random = in.Take<std::uint32_t>("count"),
+                    numbers = in.Take<std::uint32_t>("count");
+  for (const auto& [all, count] :
+       {std::pair(&row.random, random), std::pair(&row.numbers, numbers)})
+    for (std::size_t i = 0; i < count; ++i) all->push_back(in.Take<double>("number"));
+  row.ended = in.TakeText("cause");
+  row.failed = in.TakeText("cause");
+  return in.empty() ? std::optional(row) : std::nullopt;
+} catch (const Error&) {
+  return std::nullopt;
+}
+
+/// Whether bytes end before what their size says.
+bool IsCutShort(std::string_view bytes) {
+  std::uint32_t size = 0;
+  constexpr std::size_t kHead = 2 * sizeof size;
+  if (bytes.size() < kHead) return true;
+  std::memcpy(&size, bytes.data(), sizeof size);
+  return size <= Sweep::kMostText && bytes.size() < kHead + size;
 }
 
 SweepPartContent Parsed(std::string_view bytes, const std::filesystem::path& file) {
@@ -127,11 +113,7 @@ SweepPartContent Parsed(std::string_view bytes, const std::filesystem::path& fil
   const auto head = ContentOf(bytes, kMagic, Sweep::kMostText);
   if (!head) {
     // A process that was killed as it began has left less than its head says, and no row.
-    Bytes in(bytes.substr(compared));
-    const auto size = in.Take<std::uint32_t>();
-    in.Take<std::uint32_t>();
-    in.Take(size);
-    if (in.failed() && size <= Sweep::kMostText && bytes.find(kRow) == bytes.npos) return part;
+    if (IsCutShort(bytes.substr(compared)) && bytes.find(kRow) == bytes.npos) return part;
     throw Error(file.string() +
                 ": its head, which says what is swept, is damaged; take the file away, and the "
                 "sweep makes its runs again");
@@ -251,7 +233,7 @@ void SweepPart::Open(const Sweep& sweep) {
   const std::string bytes = internal::ReadFile(file_);
   SweepPartContent content = Parsed(bytes, file_);
   for (const std::string& damaged : content.damaged)
-    told_.push_back(file_.string() + ": " + damaged + "; what was there is made again");
+    damage_.push_back(file_.string() + ": " + damaged + "; what was there is made again");
   if (content.whole > 0) RequireSameSweep(sweep, file_, content.text);
   rows_ = std::move(content.rows);
   end_ = content.whole;

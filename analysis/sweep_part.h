@@ -50,7 +50,7 @@ class SweepPart {
 
   const std::vector<SweepRow>& rows() const { return rows_; }  ///< that were there
   /// What was wrong with it, a line each.
-  const std::vector<std::string>& told() const { return told_; }
+  const std::vector<std::string>& damage() const { return damage_; }
   void Append(const SweepRow& row);
 
  private:
@@ -61,7 +61,7 @@ class SweepPart {
   int descriptor_ = -1;
   std::uint64_t end_ = 0;
   std::vector<SweepRow> rows_;
-  std::vector<std::string> told_;
+  std::vector<std::string> damage_;
 };
 
 }  // namespace pliant

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <map>
@@ -8,6 +7,7 @@
 #include <optional>
 
 #include "pliant/analysis/printable.h"
+#include "pliant/analysis/read_number.h"
 #include "pliant/analysis/summary.h"
 #include "pliant/analysis/sweep_results.h"
 #include "pliant/analysis/with_unit.h"
@@ -23,13 +23,6 @@ std::string Digits(double value) {
   std::array<char, 32> text;
   std::snprintf(text.data(), text.size(), "%.4g", value);
   return text.data();
-}
-
-std::optional<double> NumberOf(const std::string& word) {
-  double number = 0;
-  const char* const end = word.data() + word.size();
-  if (std::from_chars(word.data(), end, number).ptr != end) return std::nullopt;
-  return number;
 }
 
 /// One number of all runs: those that have it, in order of size.
@@ -173,28 +166,29 @@ std::vector<std::vector<double>> ByCell(const SweepResults& results, std::size_t
   return by_cell;
 }
 
-/// What is taken of the runs of a cell.
-struct Taken {
+/// A number for all runs of a cell.
+struct Aggregate {
   const char* name;
   double (*of)(const std::vector<double>&);
 };
-constexpr std::array<Taken, 3> kTaken{
+constexpr std::array<Aggregate, 3> kAggregates{
     {{"mean", MeanOf},
      {"least", [](const std::vector<double>& v) { return *std::ranges::min_element(v); }},
      {"greatest", [](const std::vector<double>& v) { return *std::ranges::max_element(v); }}}};
 
-std::vector<double> Each(const std::vector<std::vector<double>>& cells, const Taken& taken) {
+std::vector<double> Each(const std::vector<std::vector<double>>& cells,
+                         const Aggregate& aggregate) {
   std::vector<double> all;
   for (const std::vector<double>& cell : cells)
-    all.push_back(cell.empty() ? std::nan("") : taken.of(cell));
+    all.push_back(cell.empty() ? std::nan("") : aggregate.of(cell));
   return all;
 }
 
 /// The values of a list, as an axis has room for them.
-std::vector<std::string> ShortOf(const Swept& swept) {
+std::vector<std::string> ShortOf(const SweptValue& swept) {
   std::vector<std::string> names;
   for (const std::string& value : swept.values()) {
-    const std::optional<double> number = NumberOf(value);
+    const std::optional<double> number = internal::ReadNumber(value);
     names.push_back(number ? Digits(*number) : FirstBytes(value, 12));
   }
   return names;
@@ -202,7 +196,7 @@ std::vector<std::string> ShortOf(const Swept& swept) {
 
 Figure MapOf(const SweepResults& results, std::size_t number, const Measured& measured,
              const std::vector<std::size_t>& lists) {
-  const Swept &x = results.sweep.over()[lists[0]], &y = results.sweep.over()[lists[1]];
+  const SweptValue &x = results.sweep.over()[lists[0]], &y = results.sweep.over()[lists[1]];
   const auto cells = ByCell(results, number, {lists[0], lists[1]}, measured.unit.factor);
   const NamedNumber& of = *measured.number;
   Figure figure{.name = "map_" + of.name,
@@ -210,21 +204,22 @@ Figure MapOf(const SweepResults& results, std::size_t number, const Measured& me
                            ": of the runs in each cell the mean, and the " +
                            (of.number.statistic == Statistic::Least ? "least" : "greatest") + ".",
                 .columns = 1};
-  for (const Taken& taken : {kTaken[0], kTaken[of.number.statistic == Statistic::Least ? 1 : 2]}) {
+  for (const Aggregate& aggregate :
+       {kAggregates[0], kAggregates[of.number.statistic == Statistic::Least ? 1 : 2]}) {
     Panel& panel = figure.panels.emplace_back();
-    panel.title = taken.name + measured.label();
+    panel.title = aggregate.name + measured.label();
     panel.x.label = x.path();
     panel.left.label = y.path();
-    panel.map = HeatMap{.x = ShortOf(x), .y = ShortOf(y), .values = Each(cells, taken)};
+    panel.map = HeatMap{.x = ShortOf(x), .y = ShortOf(y), .values = Each(cells, aggregate)};
   }
   return figure;
 }
 
 /// The numbers of a list, or its indices if it has words.
-std::vector<double> PlacesOf(const Swept& swept) {
+std::vector<double> PlacesOf(const SweptValue& swept) {
   std::vector<double> places;
   for (const std::string& value : swept.values())
-    places.push_back(NumberOf(value).value_or(std::nan("")));
+    places.push_back(internal::ReadNumber(value).value_or(std::nan("")));
   if (std::ranges::any_of(places, [](double x) { return std::isnan(x); }))
     std::iota(places.begin(), places.end(), 0.0);
   return places;
@@ -232,7 +227,7 @@ std::vector<double> PlacesOf(const Swept& swept) {
 
 Figure CurveOf(const SweepResults& results, std::size_t number, const Measured& measured,
                std::size_t list) {
-  const Swept& swept = results.sweep.over()[list];
+  const SweptValue& swept = results.sweep.over()[list];
   const auto cells = ByCell(results, number, {list}, measured.unit.factor);
   Figure figure{.name = "over_" + measured.number->name,
                 .caption = measured.number->title + " over " + swept.path() +
@@ -240,8 +235,9 @@ Figure CurveOf(const SweepResults& results, std::size_t number, const Measured& 
   Panel& panel = figure.panels.emplace_back();
   panel.x.label = swept.path();
   panel.left.label = measured.number->title + measured.label();
-  for (const Taken& taken : kTaken)
-    panel.curves.push_back({.label = taken.name, .x = PlacesOf(swept), .y = Each(cells, taken)});
+  for (const Aggregate& aggregate : kAggregates)
+    panel.curves.push_back(
+        {.label = aggregate.name, .x = PlacesOf(swept), .y = Each(cells, aggregate)});
   return figure;
 }
 
@@ -271,7 +267,7 @@ Report ReportOf(const SweepResults& results) {
                 .summary = sweep.experiment().summary};
   report.settings.push_back({"runs", Text(results.rows.size()) + " of " + Text(sweep.runs()) +
                                          ", in " + Text(sweep.cells()) + " cells"});
-  for (const Swept& swept : sweep.over())
+  for (const SweptValue& swept : sweep.over())
     report.settings.push_back(
         {swept.path(), FirstBytes(swept.text().substr(swept.path().size() + 1), 200)});
   report.settings.push_back({"failed", Text(results.failures())});

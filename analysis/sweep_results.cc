@@ -3,25 +3,43 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <optional>
+#include <type_traits>
 
+#include "pliant/analysis/read_number.h"
 #include "pliant/analysis/sweep_part.h"
 
 namespace pliant {
 
 namespace {
 
-std::string Shortest(double value) {
+/// The shortest text of that number; of a whole one that is exact, without an exponent.
+std::string Cell(double value) {
   std::array<char, 32> text;
-  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
+  char* const end = text.data() + text.size();
+  const bool whole = value == std::trunc(value) && std::abs(value) <= 0x1p53;
+  return {text.data(), whole ? std::to_chars(text.data(), end, value, std::chars_format::fixed).ptr
+                             : std::to_chars(text.data(), end, value).ptr};
 }
 
 /// As RFC 4180 says.
-std::string Quoted(const std::string& word) {
+std::string Cell(const std::string& word) {
   if (word.find_first_of(",\"\r\n") == std::string::npos) return word;
   std::string quoted;
   for (const char c : word) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
   return '"' + quoted + '"';
+}
+
+/// All of them as numbers, if they are.
+std::optional<std::vector<double>> NumbersOf(const std::vector<std::string>& words) {
+  std::vector<double> numbers;
+  for (const std::string& word : words)
+    if (const auto number = internal::ReadNumber(word))
+      numbers.push_back(*number);
+    else
+      return std::nullopt;
+  return numbers;
 }
 
 }  // namespace
@@ -42,9 +60,38 @@ std::size_t SweepResults::failures() const {
       std::ranges::count_if(rows, [](const SweepRow& row) { return !row.failed.empty(); }));
 }
 
-std::vector<std::string> SweepResults::names() const {
-  std::vector<std::string> all;
-  for (const NamedNumber& number : sweep.numbers()) all.push_back(number.name);
+std::vector<SweepColumn> SweepResults::columns() const {
+  std::vector<SweepColumn> all;
+  const auto add = [&](const std::string& name, const auto& of, const std::string& unit = "") {
+    std::vector<std::decay_t<decltype(of(rows.front()))>> cells;
+    for (const SweepRow& row : rows) cells.push_back(of(row));
+    all.push_back({name, unit, std::move(cells)});
+  };
+  const auto index = [](std::uint64_t i) { return static_cast<double>(i); };
+
+  add("run", [&](const SweepRow& row) { return index(row.run); });
+  for (std::size_t i = 0, random = 0; i < sweep.over().size(); ++i) {
+    const SweptValue& swept = sweep.over()[i];
+    const auto numbers = NumbersOf(swept.values());
+    if (swept.is_random()) {
+      add(swept.path(), [&](const SweepRow& row) { return row.random[random]; });
+      ++random;
+    } else if (numbers) {
+      add(swept.path(),
+          [&](const SweepRow& row) { return (*numbers)[sweep.IndicesOf(row.run)[i]]; });
+    } else {
+      add(swept.path(),
+          [&](const SweepRow& row) { return swept.values()[sweep.IndicesOf(row.run)[i]]; });
+    }
+  }
+  if (!sweep.sweeps_seed())
+    add("seed", [&](const SweepRow& row) { return index(sweep.SeedOf(row.run)); });
+  for (std::size_t i = 0; i < sweep.numbers().size(); ++i)
+    add(
+        sweep.numbers()[i].name, [&](const SweepRow& row) { return row.numbers[i]; },
+        sweep.units()[i]);
+  add("ended", [](const SweepRow& row) { return row.ended; });
+  add("failed", [](const SweepRow& row) { return row.failed; });
   return all;
 }
 
@@ -53,12 +100,6 @@ Eigen::MatrixXd SweepResults::numbers() const {
   for (Eigen::Index k = 0; k < all.rows(); ++k)
     all.row(k) =
         Eigen::RowVectorXd::Map(rows[static_cast<std::size_t>(k)].numbers.data(), all.cols());
-  return all;
-}
-
-std::vector<std::string> SweepResults::causes() const {
-  std::vector<std::string> all;
-  for (const SweepRow& row : rows) all.push_back(row.failed);
   return all;
 }
 
@@ -116,30 +157,18 @@ SweepResults ReadSweep(const std::vector<std::filesystem::path>& directories) {
 }
 
 std::string CsvOf(const SweepResults& results) {
-  const Sweep& sweep = results.sweep;
-  std::string csv = "run";
-  for (const Swept& swept : sweep.over()) csv += "," + Quoted(swept.path());
-  const bool sweeps_seed =
-      std::ranges::any_of(sweep.over(), [](const Swept& s) { return s.path() == "seed"; });
-  if (!sweeps_seed) csv += ",seed";
-  for (std::size_t i = 0; i < sweep.numbers().size(); ++i)
-    csv += "," + Quoted(sweep.numbers()[i].name +
-                        (sweep.units()[i].empty() ? "" : " (" + sweep.units()[i] + ")"));
-  csv += ",ended,failed\n";
-  for (const SweepRow& row : results.rows) {
-    csv += std::to_string(row.run);
-    const std::vector<std::size_t> indices = sweep.IndicesOf(row.run);
-    std::size_t random = 0;
-    for (std::size_t i = 0; i < sweep.over().size(); ++i) {
-      const Swept& swept = sweep.over()[i];
-      csv += "," + (swept.is_random() ? Shortest(row.drawn[random++])
-                                      : Quoted(swept.values()[indices[i]]));
-    }
-    if (!sweeps_seed) csv += "," + std::to_string(sweep.SeedOf(row.run));
-    for (const double number : row.numbers) csv += "," + Shortest(number);
-    csv += "," + Quoted(row.ended) + "," + Quoted(row.failed) + "\n";
+  const std::vector<SweepColumn> columns = results.columns();
+  std::string csv;
+  for (const SweepColumn& column : columns)
+    csv += (csv.empty() ? "" : ",") +
+           Cell(column.name + (column.unit.empty() ? "" : " (" + column.unit + ")"));
+  for (std::size_t row = 0; row < results.rows.size(); ++row) {
+    std::string line;
+    for (const SweepColumn& column : columns)
+      line += "," + std::visit([&](const auto& cells) { return Cell(cells[row]); }, column.cells);
+    csv += "\n" + line.substr(1);
   }
-  return csv;
+  return csv + "\n";
 }
 
 }  // namespace pliant

@@ -5,12 +5,19 @@
 #include <filesystem>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "pliant/analysis/report.h"
 #include "pliant/analysis/sweep.h"
 
 namespace pliant {
+
+/// A column of the results: of each row a number or a text.
+struct SweepColumn {
+  std::string name, unit;
+  std::variant<std::vector<double>, std::vector<std::string>> cells;
+};
 
 /// The rows of a sweep.
 struct SweepResults {
@@ -25,9 +32,10 @@ struct SweepResults {
   bool whole() const { return rows.size() == sweep.runs(); }
   std::size_t failures() const;
 
-  std::vector<std::string> names() const;   ///< of the numbers
-  Eigen::MatrixXd numbers() const;          ///< a row for each run, a column for each number
-  std::vector<std::string> causes() const;  ///< of each run; empty where it did not fail
+  /// run, the swept values by their paths, seed unless it is swept, the numbers, ended, failed.
+  /// Swept values are texts, as YAML, if one of them is no number.
+  std::vector<SweepColumn> columns() const;
+  Eigen::MatrixXd numbers() const;  ///< a row for each run, a column for each number
 };
 
 /// Sorts rows by run; puts those that are there twice into `repeated`. Throws Error if they differ.

@@ -84,7 +84,7 @@ int RunFile(const Told& told) {
   const Overrides set = OverridesOf(told.set);
   for (const auto& [path, yaml] : set)
     for (const std::string& over : told.over)
-      Require(!LiesIn(path, Swept(over).path()),
+      Require(!LiesIn(path, SweptValue(over).path()),
               "--set " + path + "=" + yaml + ": --over sweeps it too, and would have its way");
   const Sweep sweep(ExperimentFile::Read(told.file, set), told.run, told.over, told.runs);
   const Shard shard = told.shard.empty() ? Shard::OfEnvironment() : Shard::Read(told.shard);
@@ -185,7 +185,7 @@ int Rerun(const Told& told) {
   WriteReport(of.report, of.runs(), told.out);
 
   const RunData& run = *of.kept.front();
-  SweepRow row{.run = told.index, .drawn = sweep.DrawnIn(told.index), .ended = run.ended};
+  SweepRow row{.run = told.index, .random = sweep.RandomValuesOf(told.index), .ended = run.ended};
   sweep.Measure(run.log, row);
   for (std::size_t i = 0; i < row.numbers.size(); ++i)
     std::printf("%s: %s %s\n", sweep.numbers()[i].name.c_str(),

@@ -8,7 +8,6 @@
 #include "pliant/diagrams/without_weight.h"
 #include "pliant/plants/model_dynamics.h"
 #include "pliant/systems/constant.h"
-#include "pliant/systems/recorder.h"
 
 namespace pliant {
 
@@ -73,16 +72,8 @@ LawDiagram::LawDiagram(const Scenario& scenario, TorqueLaw::Function law,
     b.Connect(control->torque, arm->torque_command);
   }
 
-  std::vector<AnyInputs*> watching;
-  if (sink)
-    watching.push_back(
-        &b.Add<Recorder>("recorder", {.period = LogPeriodOf(scenario), .sink = std::move(sink)})
-             .in);
-  for (std::size_t i = 0; i < scenario.stop_when.size(); ++i) {
-    StopWhen::Options stop = scenario.stop_when[i];
-    stop.period = control_period;
-    watching.push_back(&b.Add<StopWhen>("stop_when_" + std::to_string(i + 1), stop).in);
-  }
+  const std::vector<AnyInputs*> watching =
+      internal::AddWatchers(b, scenario, control_period, std::move(sink));
   for (AnyInputs* in : watching) {
     for (const internal::Value* value : environment.recorded) b.Connect(*value, *in);
     for (const internal::Value* value : std::initializer_list<const internal::Value*>{

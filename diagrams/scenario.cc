@@ -389,6 +389,23 @@ Duration LogPeriodOf(const Scenario& scenario) {
   return scenario.log_period.value_or(ControlPeriodOf(scenario));
 }
 
+std::vector<AnyInputs*> internal::AddWatchers(DiagramBuilder& b, const Scenario& scenario,
+                                              Duration control_period,
+                                              std::shared_ptr<RecordSink> sink) {
+  std::vector<AnyInputs*> watching;
+  if (sink)
+    watching.push_back(
+        &b.Add<Recorder>("recorder", {.period = scenario.log_period.value_or(control_period),
+                                      .sink = std::move(sink)})
+             .in);
+  for (std::size_t i = 0; i < scenario.stop_when.size(); ++i) {
+    StopWhen::Options stop = scenario.stop_when[i];
+    stop.period = control_period;
+    watching.push_back(&b.Add<StopWhen>("stop_when_" + std::to_string(i + 1), stop).in);
+  }
+  return watching;
+}
+
 std::vector<Push::Options> PushesOf(const Scenario& scenario) {
   std::vector<Push::Options> pushes;
   for (const EnvironmentPart& part : scenario.environment)
@@ -587,16 +604,7 @@ ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<Recor
     command_torque(safety->arm_torque);
   }
 
-  std::vector<AnyInputs*> watching;
-  if (sink)
-    watching.push_back(
-        &b.Add<Recorder>("recorder", {.period = scenario.log_period.value_or(period), .sink = sink})
-             .in);
-  for (std::size_t i = 0; i < scenario.stop_when.size(); ++i) {
-    StopWhen::Options stop = scenario.stop_when[i];
-    stop.period = period;
-    watching.push_back(&b.Add<StopWhen>("stop_when_" + std::to_string(i + 1), stop).in);
-  }
+  const std::vector<AnyInputs*> watching = internal::AddWatchers(b, scenario, period, sink);
   const auto record = [&](const auto&... values) {
     for (AnyInputs* in : watching) (b.Connect(values, *in), ...);
   };

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cmath>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -38,6 +39,11 @@ inline PoseWaypoints::Options CourseOf(const HandHold& hold) {
   }
   return course;
 }
+
+/// The recorder of a scenario, if there is a sink, and its blocks that may end the run: their
+/// inputs, to connect what they watch to.
+std::vector<AnyInputs*> AddWatchers(DiagramBuilder& builder, const Scenario& scenario,
+                                    Duration control_period, std::shared_ptr<RecordSink> sink);
 
 /// Adds the parts of an environment, named push_1, push_2, hand_1, …
 class Environment {

@@ -39,42 +39,38 @@ std::vector<std::string> OverOf(const py::dict& over) {
   return texts;
 }
 
-/// Of each run; numbers as an array, if they all are.
-py::object ValuesOf(const SweepResults& results, std::size_t i) {
-  const std::vector<Swept>& over = results.sweep.over();
-  if (over[i].is_random()) {
-    const auto drawn = std::count_if(over.begin(), over.begin() + static_cast<std::ptrdiff_t>(i),
-                                     [](const Swept& s) { return s.is_random(); });
-    Eigen::VectorXd all(results.rows.size());
-    std::ranges::transform(results.rows, all.begin(), [&](const SweepRow& row) {
-      return row.drawn[static_cast<std::size_t>(drawn)];
-    });
-    return VectorArray(all);
-  }
-  py::list words;
-  for (const SweepRow& row : results.rows)
-    words.append(over[i].values()[results.sweep.IndicesOf(row.run)[i]]);
-  try {
-    return py::module_::import("numpy").attr("array")(words, "dtype"_a = "float64");
-  } catch (py::error_already_set& e) {
-    if (!e.matches(PyExc_ValueError)) throw;
-    return words;
-  }
+/// (R,) of numbers, a list of texts.
+py::object CellsOf(const SweepColumn& column) {
+  if (const auto* numbers = std::get_if<std::vector<double>>(&column.cells))
+    return VectorArray(
+        Eigen::VectorXd::Map(numbers->data(), static_cast<Eigen::Index>(numbers->size())));
+  return py::cast(std::get<std::vector<std::string>>(column.cells));
 }
 
-py::dict AllValuesOf(const SweepResults& results) {
+/// The cells of one column, of a name that the results have.
+py::object CellsOf(const SweepResults& results, const std::string& name) {
+  const std::vector<SweepColumn> columns = results.columns();
+  return CellsOf(*std::ranges::find(columns, name, &SweepColumn::name));
+}
+
+py::dict ValuesOf(const SweepResults& results) {
   py::dict values;
-  for (std::size_t i = 0; i < results.sweep.over().size(); ++i)
-    values[py::str(results.sweep.over()[i].path())] = ValuesOf(results, i);
+  for (const SweptValue& swept : results.sweep.over())
+    values[py::str(swept.path())] = CellsOf(results, swept.path());
   return values;
 }
 
-py::array_t<double> Column(const SweepResults& results, const std::string& name) {
-  const std::vector<std::string> names = results.names();
-  const auto found = std::ranges::find(names, name);
-  if (found == names.end())
+std::vector<std::string> NamesOf(const SweepResults& results) {
+  std::vector<std::string> names;
+  for (const NamedNumber& number : results.sweep.numbers()) names.push_back(number.name);
+  return names;
+}
+
+py::object Column(const SweepResults& results, const std::string& name) {
+  const std::vector<std::string> names = NamesOf(results);
+  if (std::ranges::find(names, name) == names.end())
     throw UnknownName("the sweep has no number '" + name + "'" + DidYouMean(name, names));
-  return VectorArray(results.numbers().col(found - names.begin()));
+  return CellsOf(results, name);
 }
 
 SweepResults SweepOver(const ExperimentFile& scenario, const py::dict& over, std::uint64_t runs,
@@ -105,23 +101,21 @@ results["farthest"] is one of the numbers, (R,), NaN where it could not be measu
       .def_property_readonly(
           "index",
           [](const SweepResults& r) {
-            py::array_t<std::int64_t> index(static_cast<py::ssize_t>(r.rows.size()));
-            std::ranges::transform(r.rows, index.mutable_data(), [](const SweepRow& row) {
-              return static_cast<std::int64_t>(row.run);
-            });
-            return index;
+            return py::array_t<std::int64_t>::ensure(CellsOf(r, "run"));
           },
           "Which runs they are, from 0, (R,).")
-      .def_property_readonly("names", &SweepResults::names, "Of the K numbers.")
+      .def_property_readonly("names", &NamesOf, "Of the K numbers.")
       .def_property_readonly(
           "units", [](const SweepResults& r) { return r.sweep.units(); }, "Of the K numbers.")
       .def_property_readonly(
           "numbers", [](const SweepResults& r) { return MatrixArray(r.numbers()); }, "(R, K)")
-      .def_property_readonly("values", &AllValuesOf,
+      .def_property_readonly("values", &ValuesOf,
                              "What each run had of the swept values, by path: (R,), or a list of "
                              "words.")
-      .def_property_readonly("causes", &SweepResults::causes,
-                             "Why runs failed; empty where they did not.")
+      .def_property_readonly(
+          "causes", [](const SweepResults& r) { return CellsOf(r, "failed").cast<py::list>(); },
+
+          "Why runs failed; empty where they did not.")
       .def("__getitem__", &Column, "name"_a)
       .def("__len__", [](const SweepResults& r) { return r.rows.size(); })
       .def(

@@ -57,11 +57,7 @@ bool Simulation::AdvanceFor(double t, std::chrono::milliseconds at_most) {
   return sim_.time() >= t || sim_.ended() || stop;
 }
 
-void Simulation::TickAtEnd() {
-  if (sim_.time() == duration() && !sim_.ended() && IsAtTick(duration(), period_) &&
-      sim_.next_tick_ns() <= std::llround(1e9 * duration()))
-    sim_.AdvanceThroughTick();
-}
+void Simulation::TickAtEnd() { pliant::TickAtEnd(sim_, duration(), period_); }
 
 std::string Simulation::ended() const {
   const std::optional<Simulator::Ending> ending = sim_.ended();
@@ -89,7 +85,8 @@ void Simulation::Set(const ReadableValue& port, const std::vector<double>& numbe
     change = changed_.insert(changed_.end(),
                              {port.path, sink_->Open({static_cast<const RecordedValue&>(port)})});
   const std::span<double> row = sink_->Begin(change->second, sim_.next_tick_ns());
-  if (!row.empty()) std::ranges::copy(numbers, row.begin());
+  std::ranges::copy(numbers, row.begin());
+  sink_->Commit();
 }
 
 void Simulation::WriteLog(const std::filesystem::path& file, bool force) const {
@@ -104,10 +101,7 @@ void Simulation::WriteLog(const std::filesystem::path& file, bool force) const {
   sink_->CopyTo(log);
   if (!has_law_) {
     const bool whole = sim_.ended() || sim_.time() >= duration();
-    const bool at_end = whole && IsAtTick(sim_.time(), period_) &&
-                        sim_.next_tick_ns() > std::llround(1e9 * sim_.time());
-    log.AddMetadata("pliant.run",
-                    RunEndOf(sim_, whole, wall_s_, TicksBefore(sim_.time(), period_) + at_end));
+    log.AddMetadata("pliant.run", RunEndOf(sim_, whole, wall_s_, TicksOf(sim_, period_)));
   }
   log.Close();
 }

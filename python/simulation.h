@@ -10,9 +10,9 @@
 
 #include "pliant/analysis/experiment.h"
 #include "pliant/analysis/linearize.h"
+#include "pliant/analysis/memory_sink.h"
 #include "pliant/analysis/readable_values.h"
 #include "pliant/diagrams/law_diagram.h"
-#include "pliant/python/memory_sink.h"
 #include "pliant/systems/simulator.h"
 
 namespace pliant::python {

@@ -33,7 +33,7 @@ const std::vector<std::string> kOver{"controller.pose.compliance=0,1",
 
 ExperimentFile File() { return ExperimentFile::ReadText(kShort + kNumbers, "short.yaml"); }
 
-Sweep Swept(const std::vector<std::string>& over = kOver, std::uint64_t runs = 6) {
+Sweep Short(const std::vector<std::string>& over = kOver, std::uint64_t runs = 6) {
   return {File(), "stiff", over, runs};
 }
 
@@ -42,13 +42,12 @@ void Write(const fs::path& file, const std::string& bytes) {
 }
 
 TEST(SweptValues, AreListsSpacedNumbersOrRandom) {
-  using pliant::Swept;
-  EXPECT_THAT(Swept("a=1, [2, 3],{b: 4},\"x,y\"").values(),
+  EXPECT_THAT(SweptValue("a=1, [2, 3],{b: 4},\"x,y\"").values(),
               ElementsAre("1", "[2, 3]", "{b: 4}", "\"x,y\""));
-  EXPECT_THAT(Swept("a=0:1:5").values(), ElementsAre("0", "0.25", "0.5", "0.75", "1"));
-  EXPECT_THAT(Swept("a=0:0.6:3").values(), ElementsAre("0", "0.3", "0.6"));
-  EXPECT_THAT(Swept("a=1:100:3:log").values(), ElementsAre("1", "10", "100"));
-  const Swept uniform("a=uniform(-1, 3)"), normal("a=normal(5,2)");
+  EXPECT_THAT(SweptValue("a=0:1:5").values(), ElementsAre("0", "0.25", "0.5", "0.75", "1"));
+  EXPECT_THAT(SweptValue("a=0:0.6:3").values(), ElementsAre("0", "0.3", "0.6"));
+  EXPECT_THAT(SweptValue("a=1:100:3:log").values(), ElementsAre("1", "10", "100"));
+  const SweptValue uniform("a=uniform(-1, 3)"), normal("a=normal(5,2)");
   EXPECT_TRUE(uniform.is_random() && normal.is_random());
   EXPECT_EQ(uniform.mean(), 1);
   EXPECT_EQ(normal.mean(), 5);
@@ -57,15 +56,14 @@ TEST(SweptValues, AreListsSpacedNumbersOrRandom) {
   constexpr int kDraws = 10'000;
   for (int k = 0; k < kDraws; ++k) {
     const RandomStream stream = RandomStream(1).Part(static_cast<std::uint64_t>(k));
-    u += uniform.Drawn(stream) / kDraws;
-    n += normal.Drawn(stream) / kDraws;
+    u += uniform.Draw(stream) / kDraws;
+    n += normal.Draw(stream) / kDraws;
   }
   EXPECT_NEAR(u, 1, 4 * 2 / std::sqrt(3.0 * kDraws));
   EXPECT_NEAR(n, 5, 4 * 2 / std::sqrt(1.0 * kDraws));
 }
 
 TEST(SweptValues, RefuseWhatSaysNothing) {
-  using pliant::Swept;
   const std::map<std::string, std::string> wrong{
       {"a", "expected path=values, such as payload.mass=0.5,1,2"},
       {"=1", "expected path=values, such as payload.mass=0.5,1,2"},
@@ -80,14 +78,15 @@ TEST(SweptValues, RefuseWhatSaysNothing) {
       {"a=uniform(", "expected uniform(a,b) with a < b"},
       {"a=normal(1,0)", "expected normal(mean,sigma) with sigma > 0"}};
   for (const auto& [text, message] : wrong)
-    EXPECT_EQ(ErrorOf([&, &of = text] { Swept{of}; }), "--over " + text + ": " + message);
+    EXPECT_EQ(ErrorOf([&, &of = text] { SweptValue{of}; }), "swept " + text + ": " + message);
   std::string many = "a=0";
   for (int i = 0; i < 10'000; ++i) many += ",0";
-  EXPECT_THAT(ErrorOf([&] { Swept{many}; }), HasSubstr("expected at most 10000 values, got 10001"));
+  EXPECT_THAT(ErrorOf([&] { SweptValue{many}; }),
+              HasSubstr("expected at most 10000 values, got 10001"));
 }
 
 TEST(Sweep, GivesEachRunItsCellItsSeedAndItsRandomValues) {
-  const Sweep sweep = Swept({"controller.pose.compliance=0,1", "duration_s=0.05,0.06,0.1",
+  const Sweep sweep = Short({"controller.pose.compliance=0,1", "duration_s=0.05,0.06,0.1",
                              "environment.0.force.2=uniform(-30,-10)"},
                             12);
   EXPECT_EQ(sweep.cells(), 6u);
@@ -96,38 +95,38 @@ TEST(Sweep, GivesEachRunItsCellItsSeedAndItsRandomValues) {
   EXPECT_THAT(sweep.IndicesOf(3), ElementsAre(1, 0, 0));
   EXPECT_EQ(sweep.IndicesOf(9), sweep.IndicesOf(3));
   EXPECT_NE(sweep.SeedOf(9), sweep.SeedOf(3));
-  EXPECT_NE(sweep.DrawnIn(9), sweep.DrawnIn(3));
+  EXPECT_NE(sweep.RandomValuesOf(9), sweep.RandomValuesOf(3));
   const Scenario scenario = sweep.ScenarioOf(4);
   EXPECT_EQ(scenario.duration_s, 0.06);
   EXPECT_EQ(ComplianceOf(scenario.controller).pose.compliance(0, 0), 1);
   EXPECT_EQ(scenario.seed, sweep.SeedOf(4));
-  EXPECT_THAT(sweep.DrawnIn(4),
+  EXPECT_THAT(sweep.RandomValuesOf(4),
               ElementsAre(std::get<Push::Options>(scenario.environment[0]).force(2)));
-  EXPECT_EQ(Swept({"seed=5:6:2"}, 0).ScenarioOf(1).seed, 6u);
+  EXPECT_EQ(Short({"seed=5:6:2"}, 0).ScenarioOf(1).seed, 6u);
 }
 
 TEST(Sweep, RefusesBeforeAnyRunWhatCannotBeSwept) {
   const auto refusal = [](const std::vector<std::string>& over) {
-    return ErrorOf([&] { Swept(over); });
+    return ErrorOf([&] { Short(over); });
   };
   EXPECT_THAT(
       refusal({"controller.pose.compliancy=1"}),
-      HasSubstr("--over controller.pose.compliancy=1: there is no 'compliancy' here; did you "
+      HasSubstr("swept controller.pose.compliancy=1: there is no 'compliancy' here; did you "
                 "mean 'compliance'?"));
-  EXPECT_THAT(refusal({"duration_s=0.1,-1"}), HasSubstr("--over duration_s=-1: "));
-  EXPECT_THAT(refusal({"duration_s=uniform(-3,-2)"}), HasSubstr("--over duration_s=-2.5: "));
+  EXPECT_THAT(refusal({"duration_s=0.1,-1"}), HasSubstr("swept duration_s=-1: "));
+  EXPECT_THAT(refusal({"duration_s=uniform(-3,-2)"}), HasSubstr("swept duration_s=-2.5: "));
   EXPECT_EQ(refusal({"runs=1"}),
-            "--over runs=1: a scenario has no key 'runs'; did you mean 'robot'?");
+            "swept runs=1: a scenario has no key 'runs'; did you mean 'robot'?");
   EXPECT_EQ(refusal({"robot=gen3,lwr"}),
-            "--over robot=gen3,lwr: all runs of a sweep have one robot");
+            "swept robot=gen3,lwr: all runs of a sweep have one robot");
   EXPECT_EQ(refusal({"seed=1", "seed=2"}),
-            "--over seed=2: seed is swept too, and one would hide the other");
+            "swept seed=2: seed is swept too, and one would hide the other");
   EXPECT_EQ(refusal({"environment.0.force.1=5,6", "environment.00.force=[0,1,0],[0,2,0]"}),
-            "--over environment.00.force=[0,1,0],[0,2,0]: environment.0.force.1 is swept too, and "
+            "swept environment.00.force=[0,1,0],[0,2,0]: environment.0.force.1 is swept too, and "
             "one would hide the other");
   EXPECT_THAT(refusal({"seed=uniform(0,100)"}), HasSubstr("expected a whole number"));
   EXPECT_EQ(ErrorOf([] { Sweep(File(), "", {}, 0); }),
-            "the file has 2 runs; name the one to sweep with --run: stiff, full");
+            "the file has 2 runs; name the one to sweep: stiff, full");
   EXPECT_EQ(ErrorOf([] { Sweep(File(), "stif", {}, 0); }),
             "there is no run 'stif'; did you mean 'stiff'?");
   EXPECT_THAT(ErrorOf([] { Sweep(ExperimentFile::ReadText(kShort, "s.yaml"), "stiff", {}, 0); }),
@@ -148,13 +147,13 @@ TEST(Sweep, RefusesBeforeAnyRunWhatCannotBeSwept) {
 TEST(Sweep, RefusesWhatItsPartsCannotSay) {
   std::string over = "environment.0.force.2=-1";
   while (over.size() < Sweep::kMostText) over += ",-1." + std::string(1000, '0');
-  EXPECT_THAT(ErrorOf([&] { Swept({over}); }),
-              testing::MatchesRegex("what is swept may take 524288 bytes to say; give --over fewer "
+  EXPECT_THAT(ErrorOf([&] { Short({over}); }),
+              testing::MatchesRegex("what is swept may take 524288 bytes to say; sweep fewer "
                                     "values, or from:to:count, got 5[0-9]+"));
 }
 
 TEST(Sweep, ReadsBackFromItsText) {
-  const Sweep sweep = Swept();
+  const Sweep sweep = Short();
   const Sweep again = Sweep::ReadText(sweep.text(), "part");
   EXPECT_EQ(again.text(), sweep.text());
   EXPECT_EQ(again.ScenarioOf(3).seed, sweep.ScenarioOf(3).seed);
@@ -163,13 +162,13 @@ TEST(Sweep, ReadsBackFromItsText) {
 
 TEST(RunSweep, MeasuresWhatTheLogOfTheSameRunSays) {
   const TemporaryDirectory out;
-  const Sweep sweep = Swept();
+  const Sweep sweep = Short();
   const SweepResults results = RunSweep(sweep);
   ASSERT_THAT(results.rows, SizeIs(6));
   EXPECT_NE(results.rows[0].numbers, results.rows[2].numbers);
   for (const std::uint64_t run : {0, 3}) {
     const auto logs = RunExperiment(sweep.FileOf(run), {.out = out.path() / std::to_string(run)});
-    SweepRow row{.run = run, .drawn = sweep.DrawnIn(run)};
+    SweepRow row{.run = run, .random = sweep.RandomValuesOf(run)};
     sweep.Measure(RunData::Read(logs.front()).log, row);
     EXPECT_EQ(row, results.rows[run]);
   }
@@ -182,8 +181,12 @@ TEST(RunSweep, GivesAMatrixOfTheNumbersOfAFile) {
   const SweepResults results = RunSweep(sweep, {.jobs = 2});
   const Eigen::MatrixXd numbers = results.numbers();  // a row for each run
   // shown: end run
-  EXPECT_THAT(results.names(), ElementsAre("farthest", "fastest"));
-  EXPECT_THAT(results.causes(), testing::Each(""));
+  std::vector<std::string> names;
+  for (const SweepColumn& column : results.columns()) names.push_back(column.name);
+  EXPECT_THAT(names, ElementsAre("run", "controller.posture.compliance", "seed", "farthest",
+                                 "fastest", "ended", "failed"));
+  EXPECT_THAT(std::get<std::vector<std::string>>(results.columns().back().cells),
+              testing::Each(""));
   ASSERT_EQ(numbers.rows(), 6);
   // Without noise only the values matter; the more the joints give way, the faster they are.
   EXPECT_EQ(numbers.topRows<3>(), numbers.bottomRows<3>());
@@ -193,7 +196,7 @@ TEST(RunSweep, GivesAMatrixOfTheNumbersOfAFile) {
 
 TEST(RunSweep, LeavesTheSameTableHoweverItWasMade) {
   const TemporaryDirectory out;
-  const Sweep sweep = Swept();
+  const Sweep sweep = Short();
   const std::string table = CsvOf(RunSweep(sweep));
   EXPECT_EQ(CsvOf(RunSweep(sweep, {.out = out.path() / "jobs", .jobs = 2})), table);
   for (std::uint32_t i = 1; i <= 3; ++i)
@@ -212,7 +215,7 @@ TEST(RunSweep, LeavesTheSameTableHoweverItWasMade) {
 
 TEST(RunSweep, GoesOnAfterAnEndInTheMiddleOfARow) {
   const TemporaryDirectory out;
-  const Sweep sweep = Swept();
+  const Sweep sweep = Short();
   const std::string table = CsvOf(RunSweep(sweep, {.out = out.path()}));
   const fs::path part = out.path() / "part-1-of-1";
   const std::string whole = ReadText(part);
@@ -230,7 +233,7 @@ TEST(RunSweep, GoesOnAfterAnEndInTheMiddleOfARow) {
 
 TEST(RunSweep, StopsAndGoesOn) {
   const TemporaryDirectory out;
-  const Sweep sweep = Swept();
+  const Sweep sweep = Short();
   std::atomic<bool> stop{false};
   const SweepResults some =
       RunSweep(sweep, {.out = out.path(),
@@ -254,7 +257,7 @@ TEST(RunSweep, HasARowWithTheCauseOfARunThatFails) {
   const SweepResults results = RunSweep(sweep);
   ASSERT_THAT(results.rows, SizeIs(12));
   for (const SweepRow& row : results.rows) {
-    if (row.drawn[0] < 0)
+    if (row.random[0] < 0)
       EXPECT_THAT(row.failed, HasSubstr("weight must be >= 0, got "));
     else if (row.run % 2 == 1)
       EXPECT_EQ(row.failed,
@@ -273,7 +276,7 @@ TEST(RunSweep, HasARowWithTheCauseOfARunThatFails) {
 /// A file of an experiment in a folder, swept whole, and one byte of it changed.
 TEST(SweepPart, PassesOverARowThatIsDamagedAndSaysSo) {
   const TemporaryDirectory out;
-  const Sweep sweep = Swept();
+  const Sweep sweep = Short();
   const std::string table = CsvOf(RunSweep(sweep, {.out = out.path()}));
   const fs::path part = out.path() / "part-1-of-1";
   std::string bytes = ReadText(part);
@@ -299,7 +302,7 @@ TEST(SweepPart, PassesOverARowThatIsDamagedAndSaysSo) {
 
 TEST(SweepPart, IsRefusedIfItIsNone) {
   const TemporaryDirectory out;
-  const Sweep sweep = Swept();
+  const Sweep sweep = Short();
   RunSweep(sweep, {.out = out.path()});
   const fs::path part = out.path() / "part-1-of-1";
   const std::string whole = ReadText(part);
@@ -332,13 +335,13 @@ TEST(SweepPart, IsRefusedIfItIsNone) {
 
 TEST(SweepPart, IsRefusedIfItIsOfAnotherSweep) {
   const TemporaryDirectory out;
-  RunSweep(Swept(kOver, 1), {.out = out.path()});
-  EXPECT_EQ(ErrorOf([&] { RunSweep(Swept(kOver, 2), {.out = out.path()}); }),
+  RunSweep(Short(kOver, 1), {.out = out.path()});
+  EXPECT_EQ(ErrorOf([&] { RunSweep(Short(kOver, 2), {.out = out.path()}); }),
             (out.path() / "part-1-of-1").string() +
                 ": it is a part of another sweep\n  it has      runs: 1\n  this sweep  runs: 2\n"
                 "give another --out, or take the parts there away");
   EXPECT_THAT(ErrorOf([&] {
-                RunSweep(Swept({"controller.pose.compliance=0,0.5", kOver[1]}, 1),
+                RunSweep(Short({"controller.pose.compliance=0,0.5", kOver[1]}, 1),
                          {.out = out.path(), .shard = {2, 2}});
               }),
               HasSubstr("it has      \"controller.pose.compliance=0,1\"\n  this sweep  "
@@ -348,11 +351,11 @@ TEST(SweepPart, IsRefusedIfItIsOfAnotherSweep) {
 
 TEST(SweepPart, IsRefusedWhileAnotherProcessWritesIt) {
   const TemporaryDirectory out;
-  RunSweep(Swept(), {.out = out.path()});
+  RunSweep(Short(), {.out = out.path()});
   const fs::path part = out.path() / "part-1-of-1";
   const int other = open(part.c_str(), O_RDWR);
   ASSERT_EQ(flock(other, LOCK_EX | LOCK_NB), 0);
-  EXPECT_EQ(ErrorOf([&] { RunSweep(Swept(), {.out = out.path()}); }),
+  EXPECT_EQ(ErrorOf([&] { RunSweep(Short(), {.out = out.path()}); }),
             part.string() + ": another process writes it; wait for it, or end it");
   EXPECT_THAT(ReadSweep({out.path()}).told,
               ElementsAre(part.string() + ": a process writes it; taken is what it has by now"));
@@ -366,7 +369,7 @@ TEST(ReadSweep, WantsAFolder) {
 
 TEST(ReadSweep, SaysWhatIsMissingTwiceOrNotTheSame) {
   const TemporaryDirectory out;
-  const Sweep sweep = Swept();
+  const Sweep sweep = Short();
   const fs::path one = out.path() / "one", two = out.path() / "two";
   RunSweep(sweep, {.out = one, .shard = {1, 2}});
   EXPECT_THAT(ReadSweep({one}).missing(), ElementsAre(Pair(1u, 1u), Pair(3u, 3u), Pair(5u, 5u)));

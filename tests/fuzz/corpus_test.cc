@@ -33,7 +33,8 @@ INSTANTIATE_TEST_SUITE_P(Of, Corpus,
                          testing::Values(Target{"urdf", Urdf}, Target{"actuators", Actuators},
                                          Target{"kortex", KortexFrames},
                                          Target{"wrench", WrenchFrames},
-                                         Target{"scenario", ScenarioFile}, Target{"mcap", Mcap},
+                                         Target{"scenario", ScenarioFile},
+                                         Target{"sweep", SweepFile}, Target{"mcap", Mcap},
                                          Target{"csv", Csv}, Target{"foxglove", Foxglove}),
                          [](const auto& test) { return test.param.corpus; });
 

@@ -14,6 +14,7 @@ bool Actuators(const std::string& bytes);
 bool KortexFrames(const std::string& bytes);
 bool WrenchFrames(const std::string& bytes);
 bool ScenarioFile(const std::string& bytes);
+bool SweepFile(const std::string& bytes);
 bool Mcap(const std::string& bytes);
 bool Csv(const std::string& bytes);
 bool Foxglove(const std::string& bytes);

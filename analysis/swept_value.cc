@@ -1,8 +1,7 @@
-#include "pliant/analysis/swept.h"
+#include "pliant/analysis/swept_value.h"
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <optional>
@@ -10,21 +9,16 @@
 #include <string_view>
 
 #include "pliant/analysis/printable.h"
+#include "pliant/analysis/read_number.h"
 #include "pliant/plants/parameter_text.h"
 
 namespace pliant {
 
+using internal::ReadNumber;
+
 namespace {
 
 constexpr std::size_t kMostValues = 10'000;
-
-std::optional<double> NumberOf(std::string_view text) {
-  double value = 0;
-  const char* const end = text.data() + text.size();
-  const auto [at, error] = std::from_chars(text.data(), end, value);
-  if (error != std::errc() || at != end) return std::nullopt;
-  return value;
-}
 
 /// At commas that stand in no brackets and no quotes.
 std::vector<std::string> Split(std::string_view text) {
@@ -63,7 +57,7 @@ std::vector<std::string> SplitAt(const std::string& text, char sign) {
 std::string Rounded(double value) {
   std::array<char, 40> text;
   std::snprintf(text.data(), text.size(), "%.15g", value);
-  return internal::YamlText(*NumberOf(text.data()));
+  return internal::YamlText(*ReadNumber(text.data()));
 }
 
 }  // namespace
@@ -75,7 +69,7 @@ bool LiesIn(const std::string& path, const std::string& other) {
   return plain(path).starts_with(plain(other));
 }
 
-Swept::Swept(const std::string& text) : text_{text} {
+SweptValue::SweptValue(const std::string& text) : text_{text} {
   const std::size_t sign = text.find('=');
   if (sign == std::string::npos || sign == 0 || sign + 1 == text.size())
     Fail("expected path=values, such as payload.mass=0.5,1,2");
@@ -86,11 +80,11 @@ Swept::Swept(const std::string& text) : text_{text} {
     Fail("expected at most " + Text(kMostValues) + " values, got " + Text(values_.size()));
 }
 
-void Swept::Fail(const std::string& what) const {
-  throw Error("--over " + Printable(text_.substr(0, 200)) + ": " + what);
+void SweptValue::Fail(const std::string& what) const {
+  throw Error("swept " + Printable(text_.substr(0, 200)) + ": " + what);
 }
 
-bool Swept::ReadRandom(const std::string& values) {
+bool SweptValue::ReadRandom(const std::string& values) {
   for (const auto& [word, law, rule] :
        {std::tuple("uniform(", Law::Uniform, "uniform(a,b) with a < b"),
         std::tuple("normal(", Law::Normal, "normal(mean,sigma) with sigma > 0")}) {
@@ -98,7 +92,7 @@ bool Swept::ReadRandom(const std::string& values) {
     const std::string inner = values.substr(std::string_view(word).size());
     const std::vector<std::string> parts =
         Split(std::string_view(inner).substr(0, std::max<std::size_t>(inner.size(), 1) - 1));
-    const auto a = NumberOf(parts[0]), b = NumberOf(parts.size() == 2 ? parts[1] : "");
+    const auto a = ReadNumber(parts[0]), b = ReadNumber(parts.size() == 2 ? parts[1] : "");
     const bool fit = inner.ends_with(')') && a && b && std::isfinite(*a) && std::isfinite(*b) &&
                      std::isfinite(*b - *a) && *b > (law == Law::Uniform ? *a : 0);
     if (!fit) Fail(std::string("expected ") + rule);
@@ -110,10 +104,10 @@ bool Swept::ReadRandom(const std::string& values) {
   return false;
 }
 
-bool Swept::ReadSpaced(const std::string& values) {
+bool SweptValue::ReadSpaced(const std::string& values) {
   const std::vector<std::string> parts = SplitAt(values, ':');
-  if (parts.size() < 3 || !NumberOf(parts[0])) return false;
-  const auto from = NumberOf(parts[0]), to = NumberOf(parts[1]), count = NumberOf(parts[2]);
+  if (parts.size() < 3 || !ReadNumber(parts[0])) return false;
+  const auto from = ReadNumber(parts[0]), to = ReadNumber(parts[1]), count = ReadNumber(parts[2]);
   const bool logarithmic = parts.size() == 4 && parts[3] == "log";
   if (!to || !count || (parts.size() > 3 && !logarithmic) || !std::isfinite(*from) ||
       !std::isfinite(*to) || !std::isfinite(*to - *from) || *count != std::floor(*count) ||
@@ -131,12 +125,12 @@ bool Swept::ReadSpaced(const std::string& values) {
   return true;
 }
 
-void Swept::ReadList(const std::string& values) {
+void SweptValue::ReadList(const std::string& values) {
   values_ = Split(values);
   if (std::ranges::any_of(values_, &std::string::empty)) Fail("a value is empty");
 }
 
-double Swept::Drawn(const RandomStream& stream) const {
+double SweptValue::Draw(const RandomStream& stream) const {
   return law_ == Law::Uniform ? a_ + (b_ - a_) * stream.Uniform(0) : a_ + b_ * stream.Normal(0);
 }
 

@@ -17,10 +17,10 @@ namespace pliant {
 ///   payload.mass=normal(1.25,0.1)         of this mean and standard deviation
 ///
 /// Spaced numbers are rounded to 15 digits, so that they read as they were meant.
-class Swept {
+class SweptValue {
  public:
   /// Throws Error with the text if it says nothing of the kind.
-  explicit Swept(const std::string& text);
+  explicit SweptValue(const std::string& text);
 
   const std::string& text() const { return text_; }
   const std::string& path() const { return path_; }
@@ -28,7 +28,7 @@ class Swept {
   /// YAML; none of what is random.
   const std::vector<std::string>& values() const { return values_; }
   /// The number that is drawn, of a stream for this alone.
-  double Drawn(const RandomStream& stream) const;
+  double Draw(const RandomStream& stream) const;
   /// What is drawn on average.
   double mean() const { return law_ == Law::Uniform ? a_ + (b_ - a_) / 2 : a_; }
 
