@@ -69,6 +69,7 @@ SafetySupervisor::SafetySupervisor(const Options& o)
       arm_torque{this, "arm_torque", o.model.joints()},
       arm_current{this, "arm_current", o.model.joints()},
       report{this, "report"},
+      has_arm{this, "has_arm"},
       o_{o},
       h_{seconds(o.period)},
       lower_{o.model.lower_limit()},
@@ -104,6 +105,9 @@ SafetySupervisor::SafetySupervisor(const Options& o)
   Compute(arm_torque).From(memory_).As([](const Memory& m) { return m.torque; });
   Compute(arm_current).From(memory_).As([](const Memory& m) { return m.current; });
   Compute(report).From(memory_).As([](const Memory& m) { return m.report; });
+  Compute(has_arm).From(memory_).As([](const Memory& m) {
+    return m.report.state != SafetyState::Engaging && m.report.state != SafetyState::Running;
+  });
 }
 
 SafetySupervisor::Memory SafetySupervisor::Before(const Options& o) {

@@ -196,6 +196,7 @@ class SafetySupervisor final : public Block {
   Output<JointTorque> arm_torque;
   Output<MotorCurrent> arm_current;
   Output<SafetyReport> report;
+  Output<bool> has_arm;  ///< the controller has not: Damped, Holding or Stopped
 
  private:
   /// What a tick sees, in one value.

@@ -210,6 +210,7 @@ ComplianceControl::ComplianceControl(const Options& o)
       true_torque{this, "true_torque", o.model.joints(), JointTorque::Zero(o.model.joints())},
       wrench{this, "wrench", {}, Wrench()},
       wrench_valid{this, "wrench_valid", {}, true},
+      held{this, "held", {}, false},
       measured_current{this, "measured_current", o.model.joints(),
                        MotorCurrent::Zero(o.model.joints())},
       contacts{this, "contacts"},
@@ -328,6 +329,9 @@ ComplianceControl::ComplianceControl(const Options& o)
     Connect(reference.position, dynamics.position);
     Connect(reference.velocity, dynamics.velocity);
     Connect(reference.position, position);
+    Connect(measured_position, reference.measured_position);
+    Connect(measured_velocity, reference.measured_velocity);
+    if (!switches) Connect(held, reference.follow);
     moved = &reference;
   } else {
     Connect(measured_position, dynamics.position);
@@ -440,9 +444,8 @@ ComplianceControl::ComplianceControl(const Options& o)
       Connect(measured_position, control.measured_position);
       Connect(measured_velocity, control.measured_velocity);
       Connect(control.braking, supervisor.brakes);
+      Connect(held, control.held);
       Connect(control.follow, moved->follow);
-      Connect(measured_position, moved->measured_position);
-      Connect(measured_velocity, moved->measured_velocity);
       Connect(control.posture, posture.target);
       Connect(control.control, arm_control);
       Connect(control.mode, arm_mode);

@@ -211,9 +211,12 @@ class ComplianceControl final : public Composite {
   Input<JointPosition> measured_position;
   Input<JointVelocity> measured_velocity;
   Input<JointTorque> measured_torque;
-  Input<JointTorque> true_torque;        ///< τ_e; 0 if not connected
-  Input<Wrench> wrench;                  ///< of the wrist sensor; 0 if not connected
-  Input<bool> wrench_valid;              ///< true if not connected
+  Input<JointTorque> true_torque;  ///< τ_e; 0 if not connected
+  Input<Wrench> wrench;            ///< of the wrist sensor; 0 if not connected
+  Input<bool> wrench_valid;        ///< true if not connected
+  /// Somebody else has the arm, such as a SafetySupervisor; false if not connected. The reference
+  /// of position control then is the arm itself, so that it goes on from there.
+  Input<bool> held;
   Input<MotorCurrent> measured_current;  ///< read with modes.control only
   InputList<ContactForce> contacts;      ///< of the environment
   /// Of the camera, if `contacts` are seen.

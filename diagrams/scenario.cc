@@ -14,6 +14,7 @@
 #include "pliant/plants/model_dynamics.h"
 #include "pliant/plants/parameter_file.h"
 #include "pliant/plants/shared_file.h"
+#include "pliant/systems/delay.h"
 #include "pliant/systems/nearest_name.h"
 #include "pliant/systems/random.h"
 #include "pliant/systems/recorder.h"
@@ -570,10 +571,17 @@ ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<Recor
     if (switches) b.Connect(from.measured_current, control->measured_current);
   });
   b.Connect(is_there ? link_motion.dynamics : arm->motion, tool.motion);
+  const bool follows_positions =
+      control && (compliance->command == ArmCommand::Position || switches);
   with_commanded([&](auto& by) {
-    if (control && (compliance->command == ArmCommand::Position || switches))
+    if (follows_positions)
       b.Connect(control->position, by.position_command);  // else it holds its start
   });
+  if (follows_positions && safety) {
+    auto& held = b.Add<Delay<bool>>("held", {.period = period});
+    b.Connect(safety->has_arm, held.u);
+    b.Connect(held.y, control->held);
+  }
   const Output<ControlMode>& mode = switches ? control->arm_mode : schedule->mode;
   if (safety)
     b.Connect(mode, safety->mode);

@@ -97,7 +97,6 @@ class Chance {
 
 struct Numbers {
   std::int64_t ticks = 0, faults = 0, recoveries = 0, stops = 0, acknowledgements = 0;
-  std::int64_t tracking = 0;  // acknowledgements of a reference too far away
   std::map<SafetyCause, std::int64_t> causes;
   double beyond = -kUnbounded;  // a joint's limit [rad]
   double speed = 0;             // of a joint, measured, as a share of its limit
@@ -267,11 +266,7 @@ class Episode {
     if (away && t >= next_s_) {
       panel_->acknowledged = panel_->acknowledged + 1;
       ++numbers_.acknowledgements;
-      // Under position control a reference that gives way goes on while the arm is held; further
-      // away than `tracking` it does not get the arm back.
-      const bool refused = report.cause == SafetyCause::Tracking;
-      numbers_.tracking += refused;
-      acknowledged_s_ = refused ? t : std::min(acknowledged_s_, t);
+      acknowledged_s_ = std::min(acknowledged_s_, t);
       next_s_ = t + 0.5;
     }
     if (fault_s_ >= 0 && report.state == SafetyState::Running) {
@@ -323,8 +318,6 @@ std::optional<std::uint64_t> Soak(std::int64_t ticks, std::uint64_t seed) {
   for (const auto& [cause, times] : numbers.causes)
     std::printf("  %s: %lld\n", WordOf(cause).c_str(), static_cast<long long>(times));
   std::printf("%lld episodes ended at a joint's limit\n", static_cast<long long>(numbers.stops));
-  std::printf("%lld acknowledgements of a reference too far away\n",
-              static_cast<long long>(numbers.tracking));
   std::printf(
       "commands up to %.3f of their limits, speeds up to %.3f, positions up to %.4f rad "
       "from theirs\n",
