@@ -102,6 +102,7 @@ Sweep Sweep::ReadText(const std::string& text, const std::string& source) {
 
 Sweep::Sweep(const Description& description, const std::string& source)
     : experiment_{description.experiment},
+      made_with_{description.version + ", " + description.built_with},
       scenario_{ParameterFile::ReadText(ParametersText(description.experiment.scenario), source)} {
   Require(ParametersText(description).size() <= kMostText,
           "what is swept may take " + Text(kMostText) +

@@ -43,6 +43,8 @@ class Sweep {
   /// All of it, as YAML: experiment, swept values, how many runs, and what pliant it is for.
   const std::string& text() const { return text_; }
 
+  /// The pliant, compiler and libraries that it is for.
+  const std::string& made_with() const { return made_with_; }
   std::uint64_t runs() const { return runs_; }
   std::uint64_t cells() const { return cells_; }
   bool sweeps_seed() const { return sweeps_seed_; }
@@ -76,6 +78,7 @@ class Sweep {
   RandomStream StreamOf(std::uint64_t run) const;
 
   Experiment experiment_;
+  std::string made_with_;
   std::vector<SweptValue> over_;
   std::uint64_t runs_ = 0, cells_ = 1;
   bool sweeps_seed_ = false;

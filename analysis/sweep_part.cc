@@ -179,9 +179,13 @@ void RequireSameSweep(const Sweep& sweep, const std::filesystem::path& file,
     their_line = take_line(theirs);
     our_line = take_line(ours);
   }
-  const auto shown = [](std::string_view line) {
+  const auto differ = std::ranges::mismatch(their_line, our_line).in1 - their_line.begin();
+  const auto shown = [&](std::string_view line) {
     const std::size_t from = std::min(line.find_first_not_of(" -"), line.size());
-    return line.empty() ? "nothing" : Printable(line.substr(from, 200));
+    // Of a long line the place where the other one goes on differently.
+    const std::size_t begin = std::max(from, static_cast<std::size_t>(std::max(0L, differ - 100L)));
+    return line.empty() ? "nothing"
+                        : (begin > from ? "…" : "") + Printable(line.substr(begin, 200));
   };
   throw Error(file.string() + ": it is a part of another sweep\n  it has      " +
               shown(their_line) + "\n  this sweep  " + shown(our_line) +

@@ -126,7 +126,14 @@ SweepResults ReadSweep(const std::vector<std::filesystem::path>& directories) {
   std::optional<SweepResults> results;
   std::vector<std::pair<SweepRow, std::string>> rows;
   std::vector<std::string> told;
+  std::vector<std::filesystem::path> read;
   for (const std::filesystem::path& directory : directories) {
+    std::error_code unknown;
+    if (std::ranges::any_of(read, [&](const std::filesystem::path& other) {
+          return std::filesystem::equivalent(directory, other, unknown);
+        }))
+      continue;
+    read.push_back(directory);
     const std::vector<std::filesystem::path> parts = SweepPartsIn(directory);
     if (parts.empty())
       throw Error(directory.string() +

@@ -20,7 +20,7 @@ Duration PeriodOf(double period) {
 
 /// A gain for each joint, or one for all.
 PerJoint GainOf(const py::object& gain, int joints, const std::string& name) {
-  if (py::isinstance<py::float_>(gain) || py::isinstance<py::int_>(gain))
+  if (PyNumber_Check(gain.ptr()) && !PySequence_Check(gain.ptr()))
     return PerJoint::Constant(joints, NumberOf(gain, name));
   return VectorOf(gain, name, joints);
 }

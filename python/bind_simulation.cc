@@ -60,33 +60,6 @@ class Held {
   bool used_ = false;
 };
 
-std::size_t RunNamed(const ExperimentFile& file, const py::object& run) {
-  const std::vector<RunOf>& runs = file.experiment.runs;
-  std::vector<std::string> names;
-  for (const RunOf& of : runs) names.push_back(of.name);
-  if (run.is_none()) {
-    if (runs.size() == 1) return 0;
-    std::string all;
-    for (const std::string& name : names) all += (all.empty() ? "" : ", ") + name;
-    throw Error("run: the scenario has " + std::to_string(runs.size()) + ", expected one of " +
-                all);
-  }
-  if (py::isinstance<py::int_>(run)) {
-    const auto i = run.cast<long long>();
-    if (i < 0 || i >= static_cast<long long>(runs.size()))
-      throw py::index_error("run: the scenario has " + std::to_string(runs.size()) +
-                            (runs.size() == 1 ? " run" : " runs") + ", got the index " +
-                            std::to_string(i));
-    return static_cast<std::size_t>(i);
-  }
-  if (!py::isinstance<py::str>(run)) throw py::type_error("run: expected a name or an index");
-  const auto name = run.cast<std::string>();
-  const auto found = std::ranges::find(names, name);
-  if (found == names.end())
-    throw UnknownName("the scenario has no run '" + name + "'" + DidYouMean(name, names));
-  return static_cast<std::size_t>(found - names.begin());
-}
-
 /// Calls Python at every tick, from a thread that does not hold the GIL.
 TorqueLaw::Function LawOf(const py::object& control, int joints) {
   if (control.is_none()) return {};
@@ -171,6 +144,35 @@ void AdvanceTo(Held& held, double t) {
 }
 
 }  // namespace
+
+std::size_t RunNamed(const ExperimentFile& file, const py::object& run) {
+  const std::vector<RunOf>& runs = file.experiment.runs;
+  std::vector<std::string> names;
+  for (const RunOf& of : runs) names.push_back(of.name);
+  if (run.is_none()) {
+    if (runs.size() == 1) return 0;
+    std::string all;
+    for (const std::string& name : names) all += (all.empty() ? "" : ", ") + name;
+    throw Error("run: the scenario has " + std::to_string(runs.size()) + ", expected one of " +
+                all);
+  }
+  if (PyIndex_Check(run.ptr())) {
+    const py::ssize_t i =
+        PyNumber_AsSsize_t(run.ptr(), nullptr);  // of what is too large the largest
+    if (PyErr_Occurred()) throw py::error_already_set();
+    if (i < 0 || i >= std::ssize(runs))
+      throw py::index_error("run: the scenario has " + std::to_string(runs.size()) +
+                            (runs.size() == 1 ? " run" : " runs") + ", got the index " +
+                            py::str(run).cast<std::string>());
+    return static_cast<std::size_t>(i);
+  }
+  if (!py::isinstance<py::str>(run)) throw py::type_error("run: expected a name or an index");
+  const auto name = run.cast<std::string>();
+  const auto found = std::ranges::find(names, name);
+  if (found == names.end())
+    throw UnknownName("the scenario has no run '" + name + "'" + DidYouMean(name, names));
+  return static_cast<std::size_t>(found - names.begin());
+}
 
 void BindSimulation(py::module_& m) {
   py::class_<ReadableValue>(m, "Port", "A value of a diagram that can be read.")

@@ -74,17 +74,21 @@ py::object Column(const SweepResults& results, const std::string& name) {
 }
 
 SweepResults SweepOver(const ExperimentFile& scenario, const py::dict& over, std::uint64_t runs,
-                       const std::string& run, const std::optional<std::filesystem::path>& out,
+                       const py::object& run, const std::optional<std::filesystem::path>& out,
                        int jobs) {
   Require(jobs >= 1, "jobs must be >= 1", jobs);
-  const Sweep sweep(scenario, run, OverOf(over), runs);
+  const std::string& name = scenario.experiment.runs[RunNamed(scenario, run)].name;
+  const Sweep sweep(scenario, name, OverOf(over), runs);
+  std::vector<std::string> damage;
   std::atomic<bool> stop{false};
-  return Interruptibly(
-      [&] {
-        return RunSweep(
-            sweep, {.out = out.value_or(std::filesystem::path()), .jobs = jobs, .stop = &stop});
-      },
-      stop);
+  const SweepOptions options{.out = out.value_or(std::filesystem::path()),
+                             .jobs = jobs,
+                             .stop = &stop,
+                             .say = [&](const std::string& line) { damage.push_back(line); }};
+  SweepResults results = Interruptibly([&] { return RunSweep(sweep, options); }, stop);
+  for (const std::string& line : damage)
+    if (PyErr_WarnEx(PyExc_RuntimeWarning, line.c_str(), 1) != 0) throw py::error_already_set();
+  return results;
 }
 
 }  // namespace
@@ -130,12 +134,12 @@ results["farthest"] is one of the numbers, (R,), NaN where it could not be measu
                std::to_string(r.sweep.runs()) + " runs>";
       });
 
-  m.def("sweep", &SweepOver, "scenario"_a, "over"_a, py::kw_only(), "runs"_a = 0, "run"_a = "",
-        "out"_a = py::none(), "jobs"_a = 1,
+  m.def("sweep", &SweepOver, "scenario"_a, "over"_a, py::kw_only(), "runs"_a = 0,
+        "run"_a = py::none(), "out"_a = py::none(), "jobs"_a = 1,
         R"(Makes many runs of a scenario, without logs, and keeps the `numbers` that it names.
 
 over: values by path: a list, or text as of the command, '70:500:20' or 'uniform(0.5,1.5)'. Lists
-make a grid, the last running fastest. runs: 0 is one for each cell of the grid. run: which, of a
+make a grid, the last running fastest. runs: 0 is one for each cell of the grid. run: name or index, of a
 scenario with several. out: a folder for what is made; a sweep that was interrupted goes on there.)");
   m.def(
       "read_sweep",

@@ -203,7 +203,7 @@ def sweep(
     over: Mapping[str, Any],
     *,
     runs: int = 0,
-    run: str = "",
+    run: str | int | None = None,
     out: _Path | None = None,
     jobs: int = 1,
 ) -> SweepResults: ...

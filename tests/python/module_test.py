@@ -173,8 +173,10 @@ class Simulations(Test):
         self.assertGreater(len(scenario.runs), 1)
         with self.assertRaisesRegex(pliant.Error, "^run: the scenario has .*, expected one of "):
             pliant.Simulation(scenario)
-        with self.assertRaisesRegex(IndexError, "^run: the scenario has .* runs, got the index 99"):
-            pliant.Simulation(scenario, 99)
+        for beyond in (99, -1, 10**30):
+            with self.assertRaisesRegex(IndexError, f"^run: the scenario has .* runs, got the index {beyond}"):
+                pliant.Simulation(scenario, beyond)
+        self.assertEqual(pliant.Simulation(scenario, np.int64(1)).duration, pliant.Simulation(scenario, 1).duration)
         with self.assertRaisesRegex(KeyError, "did you mean"):
             pliant.Simulation(scenario, scenario.runs[0][:-1])
         with self.assertRaisesRegex(TypeError, "^run: expected a name or an index"):
@@ -528,6 +530,16 @@ class Sweeps(Test):
         self.says("jobs must be >= 1, got 0", pliant.Error, pliant.sweep, self.swept(), {"seed": [1]}, jobs=0)
         with self.assertRaises(pliant.Error):
             pliant.read_sweep([self.folder])
+        self.says("the scenario has no run 'stif'; did you mean 'run'?", KeyError, pliant.sweep, self.swept(), {"seed": [1]}, run="stif")
+
+    def test_a_part_that_is_damaged_is_a_warning_and_its_runs_are_made_again(self):
+        out = self.folder / "out"
+        whole = pliant.sweep(self.swept(), {"seed": [1, 2]}, out=out)
+        part = out / "part-1-of-1"
+        part.write_bytes(part.read_bytes()[:-1])
+        with self.assertWarnsRegex(RuntimeWarning, "its end, are no row; what was there is made again$"):
+            again = pliant.sweep(self.swept(), {"seed": [1, 2]}, out=out)
+        np.testing.assert_array_equal(again.numbers, whole.numbers)
 
     def test_ctrl_c_keeps_what_is_made(self):
         Threads.interrupt(self, lambda: pliant.sweep(

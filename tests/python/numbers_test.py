@@ -131,7 +131,7 @@ class Estimators(Test):
             pliant.MomentumObserver(self.gen3, gain=-1, period=1e-3)
         self.says("period must be >= 1e-9 s, got 0", pliant.Error,
                   pliant.MomentumObserver, self.gen3, gain=1, period=0)
-        observer = pliant.MomentumObserver(self.gen3, gain=1, period=1e-3)
+        observer = pliant.MomentumObserver(self.gen3, gain=np.float32(1), period=1e-3)
         self.says("torque: expected 7 finite numbers, got inf at index 0", pliant.Error,
                   observer.update, np.zeros(7), np.zeros(7), [np.inf] * 7)
 
