@@ -26,6 +26,8 @@ class MemorySink final : public RecordSink {
   /// A row of the same time as the last one of its stream takes its place.
   void Commit() noexcept override;
 
+  /// Whether a row did not fit into the memory.
+  bool is_full() const { return full_; }
   /// A copy of all rows. Throws Error if they did not fit into the memory.
   Recording recording() const;
   /// Hands all rows to another sink. Throws Error as recording() does.

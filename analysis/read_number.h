@@ -7,7 +7,8 @@
 
 namespace pliant::internal {
 
-/// A text that is a number and nothing else, in the format of C.
+/// A text that is a number and nothing else, as std::from_chars reads it: no sign +, but inf and
+/// nan.
 template <class Number = double>
 std::optional<Number> ReadNumber(std::string_view text) {
   Number number{};

@@ -9,7 +9,7 @@ namespace pliant {
 
 namespace {
 
-constexpr double kRoundOff = 1e-9;  // of times [s], as ticks are whole nanoseconds
+constexpr double kRoundOff = 1e-9;  // of times [s], ticks being whole nanoseconds, and of periods
 
 std::int64_t TicksBefore(double t, Duration period) {
   return std::llround(std::ceil(t / seconds(period) - kRoundOff));

@@ -113,7 +113,7 @@ Sweep::Sweep(const Description& description, const std::string& source)
   Require(!IsHardware(experiment_.scenario),
           "a sweep simulates, and station !Gen3 is an arm that is there");
   Require(experiment_.numbers.size() <= kMostNumbers && description.over.size() <= kMostNumbers,
-          "a sweep has at most " + Text(kMostNumbers) + " numbers, and as many --over");
+          "a sweep has at most " + Text(kMostNumbers) + " numbers, and as many swept values");
   Require(!experiment_.numbers.empty(),
           "there is no number to measure: the file has no 'numbers', a list of {name, title, "
           "signal, statistic, …}");
@@ -158,6 +158,11 @@ Sweep::Sweep(const Description& description, const std::string& source)
   const Recording recorded(names->signals, {});
   for (const NamedNumber& number : experiment_.numbers)
     units_.push_back(number.number.unit(recorded[number.number.signal]));
+}
+
+std::string Sweep::MadeWithHere() {
+  const Description here;
+  return here.version + ", " + here.built_with;
 }
 
 RandomStream Sweep::StreamOf(std::uint64_t run) const {
@@ -225,6 +230,7 @@ std::optional<SweepRow> Sweep::Make(std::uint64_t run, const std::atomic<bool>* 
       return std::nullopt;
     TickAtEnd(sim, scenario.duration_s, scene.control_period);
     if (const std::optional<Simulator::Ending> ending = sim.ended()) row.ended = ending->text();
+    if (sink->is_full()) throw std::bad_alloc();  // no fault of the run
     Measure(sink->recording(), row);
   } catch (const std::bad_alloc&) {
     throw;

@@ -43,8 +43,9 @@ class Sweep {
   /// All of it, as YAML: experiment, swept values, how many runs, and what pliant it is for.
   const std::string& text() const { return text_; }
 
-  /// The pliant, compiler and libraries that it is for.
+  /// The pliant, compiler and libraries that it is for, and those that are here.
   const std::string& made_with() const { return made_with_; }
+  static std::string MadeWithHere();
   std::uint64_t runs() const { return runs_; }
   std::uint64_t cells() const { return cells_; }
   bool sweeps_seed() const { return sweeps_seed_; }

@@ -183,9 +183,11 @@ void RequireSameSweep(const Sweep& sweep, const std::filesystem::path& file,
   const auto shown = [&](std::string_view line) {
     const std::size_t from = std::min(line.find_first_not_of(" -"), line.size());
     // Of a long line the place where the other one goes on differently.
-    const std::size_t begin = std::max(from, static_cast<std::size_t>(std::max(0L, differ - 100L)));
+    std::size_t begin = std::max(from, static_cast<std::size_t>(std::max(0L, differ - 100L)));
+    while (begin < line.size() && (line[begin] & 0xC0) == 0x80) ++begin;  // no half of a letter
     return line.empty() ? "nothing"
-                        : (begin > from ? "…" : "") + Printable(line.substr(begin, 200));
+                        : (begin > from ? "…" : "") +
+                              Printable(FirstBytes(std::string(line.substr(begin)), 200));
   };
   throw Error(file.string() + ": it is a part of another sweep\n  it has      " +
               shown(their_line) + "\n  this sweep  " + shown(our_line) +

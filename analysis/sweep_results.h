@@ -33,7 +33,8 @@ struct SweepResults {
   std::size_t failures() const;
 
   /// run, the swept values by their paths, seed unless it is swept, the numbers, ended, failed.
-  /// Swept values are texts, as YAML, if one of them is no number.
+  /// Swept values are texts, as YAML, if one of them is no number; numbers are written in their
+  /// shortest form.
   std::vector<SweepColumn> columns() const;
   Eigen::MatrixXd numbers() const;  ///< a row for each run, a column for each number
 };

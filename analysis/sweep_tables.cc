@@ -13,8 +13,7 @@ void WriteColumn(hid_t file, const std::string& name, const std::vector<double>&
   WriteNumbers(file, name.c_str(), numbers.data(), numbers.size(), 0, unit);
 }
 
-void WriteColumn(hid_t file, const std::string& name, const std::vector<std::string>& words,
-                 const std::string& = "") {
+void WriteColumn(hid_t file, const std::string& name, const std::vector<std::string>& words) {
   const Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
   Checked(H5Tset_size(type, H5T_VARIABLE));
   Checked(H5Tset_cset(type, H5T_CSET_UTF8));
@@ -37,8 +36,10 @@ void WriteSweepTables(const SweepResults& results, const std::filesystem::path& 
   try {
     const std::string image = Hdf5Image([&](hid_t file) {
       for (const SweepColumn& column : results.columns())
-        std::visit([&](const auto& cells) { WriteColumn(file, column.name, cells, column.unit); },
-                   column.cells);
+        if (const auto* numbers = std::get_if<std::vector<double>>(&column.cells))
+          WriteColumn(file, column.name, *numbers, column.unit);
+        else
+          WriteColumn(file, column.name, std::get<std::vector<std::string>>(column.cells));
       // Of any length, which an attribute is not.
       WriteColumn(file, "sweep", std::vector<std::string>{results.sweep.text()});
     });

@@ -66,7 +66,6 @@ class ControlSupervisor final : public Block {
   Input<JointPosition> reference;  ///< r, as it is in open loop
   Input<JointPosition> measured_position;
   Input<JointVelocity> measured_velocity;
-  Input<bool> held;               ///< the controller does not have the arm; false if not connected
   Output<ArmControl> control;     ///< what moves the arm
   Output<ControlMode> mode;       ///< of the arm: Position or Current
   Output<bool> braking;           ///< on the way from torque to position

@@ -13,7 +13,7 @@ namespace pliant {
 /// exact for q̈_d held over the sample. The controller is asked about this reference instead of the
 /// measured state; what pushes the arm reaches it through τ̂_e alone. Not finite numbers of q̈_d
 /// leave the reference where it is, at rest. While `follow` is true, q_k and q̇_k are what is
-/// measured (closed loop); the reference goes on from there.
+/// measured (closed loop), where that is finite; the reference goes on from there.
 ///
 /// Source: named as future work by Celerier et al. 2025.
 class PositionReference final : public Block {
@@ -41,13 +41,13 @@ class PositionReference final : public Block {
     tick.Compute(position)
         .From(q_, follow, measured_position)
         .As([](const JointPosition& q, bool follows, const JointPosition& measured) {
-          return follows ? measured : q;
+          return follows && measured.allFinite() ? measured : q;
         });
     tick.Compute(open).From(q_).As([](const JointPosition& q) { return q; });
     tick.Compute(velocity)
         .From(v_, follow, measured_velocity)
         .As([](const JointVelocity& v, bool follows, const JointVelocity& measured) {
-          return follows ? measured : v;
+          return follows && measured.allFinite() ? measured : v;
         });
   }
 

@@ -196,7 +196,7 @@ class SafetySupervisor final : public Block {
   Output<JointTorque> arm_torque;
   Output<MotorCurrent> arm_current;
   Output<SafetyReport> report;
-  Output<bool> has_arm;  ///< the controller has not: Damped, Holding or Stopped
+  Output<bool> has_arm;  ///< Damped, Holding or Stopped: the controller has no say
 
  private:
   /// What a tick sees, in one value.

@@ -331,7 +331,7 @@ ComplianceControl::ComplianceControl(const Options& o)
     Connect(reference.position, position);
     Connect(measured_position, reference.measured_position);
     Connect(measured_velocity, reference.measured_velocity);
-    if (!switches) Connect(held, reference.follow);
+    if (!switches && !o.reference && !o.door) Connect(held, reference.follow);
     moved = &reference;
   } else {
     Connect(measured_position, dynamics.position);
@@ -429,7 +429,9 @@ ComplianceControl::ComplianceControl(const Options& o)
     Connect(supervisor.posture_damping, posture.damping);
     Connect(supervisor.posture_compliance, posture.compliance);
     Connect(supervisor.yields, yields);
-    if (switches) {
+    if (!switches) {
+      Connect(held, supervisor.brakes);
+    } else {
       auto& control = Add<ControlSupervisor>("control", {.joints = joints,
                                                          .start = o.position,
                                                          .first = *o.modes->control,
@@ -444,7 +446,6 @@ ComplianceControl::ComplianceControl(const Options& o)
       Connect(measured_position, control.measured_position);
       Connect(measured_velocity, control.measured_velocity);
       Connect(control.braking, supervisor.brakes);
-      Connect(held, control.held);
       Connect(control.follow, moved->follow);
       Connect(control.posture, posture.target);
       Connect(control.control, arm_control);

@@ -571,16 +571,16 @@ ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<Recor
     if (switches) b.Connect(from.measured_current, control->measured_current);
   });
   b.Connect(is_there ? link_motion.dynamics : arm->motion, tool.motion);
-  const bool follows_positions =
-      control && (compliance->command == ArmCommand::Position || switches);
+  const bool commands_positions = control && compliance->command == ArmCommand::Position;
   with_commanded([&](auto& by) {
-    if (follows_positions)
+    if (commands_positions || switches)
       b.Connect(control->position, by.position_command);  // else it holds its start
   });
-  if (follows_positions && safety) {
-    auto& held = b.Add<Delay<bool>>("held", {.period = period});
-    b.Connect(safety->has_arm, held.u);
-    b.Connect(held.y, control->held);
+  Delay<bool>* held = nullptr;
+  if (commands_positions && safety) {
+    held = &b.Add<Delay<bool>>("held", {.period = period});
+    b.Connect(safety->has_arm, held->u);
+    b.Connect(held->y, control->held);
   }
   const Output<ControlMode>& mode = switches ? control->arm_mode : schedule->mode;
   if (safety)
@@ -630,6 +630,7 @@ ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<Recor
   if (safety)
     record(safety->report, safety->arm_mode, safety->arm_position, safety->arm_torque,
            safety->arm_current, timer->timing, watcher->word);
+  if (held) record(held->y);
   if (drill)
     record(drill->spoilt_position, drill->spoilt_torque, drill->spoilt_current,
            drill->spoilt_estimate, drill->spoilt_timing);

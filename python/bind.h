@@ -16,8 +16,8 @@ namespace py = pybind11;
 /// A value as the YAML that --set would be given; JSON is YAML.
 std::string YamlOf(const py::handle& value);
 
-/// The index of a run by its name or index; None is the only one. Throws UnknownName, or Python's
-/// IndexError or TypeError.
+/// The index of a run by its name or index; None is the only one. Throws UnknownName, Error if
+/// there are several, or Python's IndexError or TypeError.
 std::size_t RunNamed(const ExperimentFile& file, const py::object& run);
 
 /// What each adds to the module stands at the top of its file.

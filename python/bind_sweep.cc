@@ -47,17 +47,23 @@ py::object CellsOf(const SweepColumn& column) {
   return py::cast(std::get<std::vector<std::string>>(column.cells));
 }
 
-/// The cells of one column, of a name that the results have.
+/// The cells of the columns of these names, which the results have.
+py::dict CellsOf(const SweepResults& results, const std::vector<std::string>& names) {
+  py::dict cells;
+  for (const SweepColumn& column : results.columns())
+    if (std::ranges::find(names, column.name) != names.end())
+      cells[py::str(column.name)] = CellsOf(column);
+  return cells;
+}
+
 py::object CellsOf(const SweepResults& results, const std::string& name) {
-  const std::vector<SweepColumn> columns = results.columns();
-  return CellsOf(*std::ranges::find(columns, name, &SweepColumn::name));
+  return CellsOf(results, std::vector{name})[py::str(name)];
 }
 
 py::dict ValuesOf(const SweepResults& results) {
-  py::dict values;
-  for (const SweptValue& swept : results.sweep.over())
-    values[py::str(swept.path())] = CellsOf(results, swept.path());
-  return values;
+  std::vector<std::string> paths;
+  for (const SweptValue& swept : results.sweep.over()) paths.push_back(swept.path());
+  return CellsOf(results, paths);
 }
 
 std::vector<std::string> NamesOf(const SweepResults& results) {
@@ -73,6 +79,16 @@ py::object Column(const SweepResults& results, const std::string& name) {
   return CellsOf(results, name);
 }
 
+/// Shows lines as warnings, whatever bytes are in them.
+void Warn(const std::vector<std::string>& lines) {
+  for (const std::string& line : lines) {
+    const auto text = py::reinterpret_steal<py::object>(
+        PyUnicode_DecodeUTF8(line.data(), static_cast<py::ssize_t>(line.size()), "replace"));
+    if (!text || PyErr_WarnFormat(PyExc_RuntimeWarning, 1, "%U", text.ptr()) != 0)
+      throw py::error_already_set();
+  }
+}
+
 SweepResults SweepOver(const ExperimentFile& scenario, const py::dict& over, std::uint64_t runs,
                        const py::object& run, const std::optional<std::filesystem::path>& out,
                        int jobs) {
@@ -86,8 +102,16 @@ SweepResults SweepOver(const ExperimentFile& scenario, const py::dict& over, std
                              .stop = &stop,
                              .say = [&](const std::string& line) { damage.push_back(line); }};
   SweepResults results = Interruptibly([&] { return RunSweep(sweep, options); }, stop);
-  for (const std::string& line : damage)
-    if (PyErr_WarnEx(PyExc_RuntimeWarning, line.c_str(), 1) != 0) throw py::error_already_set();
+  Warn(damage);
+  return results;
+}
+
+SweepResults Read(const std::vector<std::filesystem::path>& folders) {
+  SweepResults results = [&] {
+    const py::gil_scoped_release release;
+    return ReadSweep(folders);
+  }();
+  Warn(results.told);
   return results;
 }
 
@@ -140,14 +164,11 @@ results["farthest"] is one of the numbers, (R,), NaN where it could not be measu
 
 over: values by path: a list, or text as of the command, '70:500:20' or 'uniform(0.5,1.5)'. Lists
 make a grid, the last running fastest. runs: 0 is one for each cell of the grid. run: name or index, of a
-scenario with several. out: a folder for what is made; a sweep that was interrupted goes on there.)");
-  m.def(
-      "read_sweep",
-      [](const std::vector<std::filesystem::path>& folders) {
-        const py::gil_scoped_release release;
-        return ReadSweep(folders);
-      },
-      "folders"_a, "Reads what is made of a sweep, from the folders of all its parts.");
+scenario with several. out: a folder for what is made; a sweep that was interrupted goes on there, and
+what is damaged there is a RuntimeWarning.)");
+  m.def("read_sweep", &Read, "folders"_a,
+        "Reads what is made of a sweep, from the folders of all its parts. What is damaged is a "
+        "RuntimeWarning.");
 }
 
 }  // namespace pliant::python

@@ -54,6 +54,14 @@ TEST(PositionReference, GoesOnFromTheArmItFollowed) {
     ASSERT_EQ(t.Get(t->position), q);
     ASSERT_EQ(t.Get(t->velocity), v);
   }
+  t.Set(t->measured_position, {std::nan(""), 0.2});
+  t.Set(t->measured_velocity, {std::nan(""), -0.3});
+  t.Tick();
+  EXPECT_TRUE(t.Get(t->position).allFinite() && t.Get(t->velocity).allFinite());
+  t.Set(t->measured_position, q);
+  t.Set(t->measured_velocity, v);
+  t.Tick();
+  ASSERT_EQ(t.Get(t->position), q);
   t.Set(t->follow, false);
   t.Tick();
   const PerJoint a = t.Get(t->velocity) - PerJoint(v);

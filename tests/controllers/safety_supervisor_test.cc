@@ -179,7 +179,9 @@ TEST(SafetySupervisor, LetsTheControllerBackWhenAFaultIsOverAndAcknowledged) {
     Watched w(ControlMode::Torque);
     w.Run();
     w.t.Set(w.t->torque_command, {kNaN, 0, 0, 0, 0, 0, 0});
+    EXPECT_FALSE(w.t.Get(w.t->has_arm));
     w.Tick(after);
+    EXPECT_TRUE(w.t.Get(w.t->has_arm));
     w.t.Set(w.t->word, {.acknowledged = 1});
     w.Tick();
     EXPECT_NE(w.report().cause, SafetyCause::None) << "the fault is still there";
@@ -189,6 +191,7 @@ TEST(SafetySupervisor, LetsTheControllerBackWhenAFaultIsOverAndAcknowledged) {
     w.t.Set(w.t->word, {.acknowledged = 2});
     w.Tick();
     EXPECT_EQ(w.report().state, Engaging);
+    EXPECT_FALSE(w.t.Get(w.t->has_arm));
     w.Tick(503);
     EXPECT_EQ(w.report().state, Running);
     EXPECT_EQ(w.t.Get(w.t->arm_torque), w.tau);

@@ -530,13 +530,16 @@ class Sweeps(Test):
         self.says("jobs must be >= 1, got 0", pliant.Error, pliant.sweep, self.swept(), {"seed": [1]}, jobs=0)
         with self.assertRaises(pliant.Error):
             pliant.read_sweep([self.folder])
-        self.says("the scenario has no run 'stif'; did you mean 'run'?", KeyError, pliant.sweep, self.swept(), {"seed": [1]}, run="stif")
+        self.says("the scenario has no run 'stif'; did you mean 'run'?", KeyError,
+                  pliant.sweep, self.swept(), {"seed": [1]}, run="stif")
 
     def test_a_part_that_is_damaged_is_a_warning_and_its_runs_are_made_again(self):
         out = self.folder / "out"
         whole = pliant.sweep(self.swept(), {"seed": [1, 2]}, out=out)
         part = out / "part-1-of-1"
         part.write_bytes(part.read_bytes()[:-1])
+        with self.assertWarnsRegex(RuntimeWarning, "its end, are no row$"):
+            self.assertEqual(len(pliant.read_sweep([out])), 1)
         with self.assertWarnsRegex(RuntimeWarning, "its end, are no row; what was there is made again$"):
             again = pliant.sweep(self.swept(), {"seed": [1, 2]}, out=out)
         np.testing.assert_array_equal(again.numbers, whole.numbers)
