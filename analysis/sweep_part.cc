@@ -239,7 +239,7 @@ void SweepPart::Open(const Sweep& sweep) {
   const std::string bytes = internal::ReadFile(file_);
   SweepPartContent content = Parsed(bytes, file_);
   for (const std::string& damaged : content.damaged)
-    damage_.push_back(file_.string() + ": " + damaged + "; what was there is made again");
+    damage_.push_back(file_.string() + ": " + damaged + "; the runs it lacks are made again");
   if (content.whole > 0) RequireSameSweep(sweep, file_, content.text);
   rows_ = std::move(content.rows);
   end_ = content.whole;

@@ -26,8 +26,8 @@ namespace fs = std::filesystem;
 
 constexpr int kStopped = 130, kNotWhole = 3;
 
-/// What `sweep`, `merge` and `rerun` are told.
-struct Told {
+/// What `sweep`, `merge` and `rerun` are given.
+struct Arguments {
   std::string file, run, shard;
   std::vector<std::string> set, over;
   std::vector<fs::path> directories;
@@ -80,20 +80,20 @@ void TellOfGaps(const SweepResults& results) {
         std::to_string(results.repeated.front()));
 }
 
-int RunFile(const Told& told) {
-  const Overrides set = OverridesOf(told.set);
+int RunFile(const Arguments& given) {
+  const Overrides set = OverridesOf(given.set);
   for (const auto& [path, yaml] : set)
-    for (const std::string& over : told.over)
+    for (const std::string& over : given.over)
       Require(!LiesIn(path, SweptValue(over).path()),
               "--set " + path + "=" + yaml + ": --over sweeps it too, and would have its way");
-  const Sweep sweep(ExperimentFile::Read(told.file, set), told.run, told.over, told.runs);
-  const Shard shard = told.shard.empty() ? Shard::OfEnvironment() : Shard::Read(told.shard);
-  if (told.check) {
-    std::printf("%s: %s of %s, nothing is wrong\n", told.file.c_str(),
+  const Sweep sweep(ExperimentFile::Read(given.file, set), given.run, given.over, given.runs);
+  const Shard shard = given.shard.empty() ? Shard::OfEnvironment() : Shard::Read(given.shard);
+  if (given.check) {
+    std::printf("%s: %s of %s, nothing is wrong\n", given.file.c_str(),
                 Count(sweep.runs(), "run").c_str(), Count(sweep.cells(), "cell").c_str());
     return 0;
   }
-  Require(!told.out.empty(), "--out is required: the folder of parts and results");
+  Require(!given.out.empty(), "--out is required: the folder of parts and results");
   if (shard.of == 1) try {
       RequireGnuplot();
     } catch (const Error& e) {
@@ -114,8 +114,8 @@ int RunFile(const Told& told) {
   };
   const SweepResults results = [&] {
     try {
-      return RunSweep(sweep, {.out = told.out,
-                              .jobs = told.jobs,
+      return RunSweep(sweep, {.out = given.out,
+                              .jobs = given.jobs,
                               .shard = shard,
                               .progress = progress,
                               .stop = &StopSignals::requested,
@@ -132,23 +132,23 @@ int RunFile(const Told& told) {
     return kStopped;
   }
   if (shard.of > 1) {
-    Say("`pliant merge " + told.out.string() + "` joins the parts when all are made");
+    Say("`pliant merge " + given.out.string() + "` joins the parts when all are made");
     return 0;
   }
   TellOfGaps(results);
-  return WriteAndTell(results, told.out);
+  return WriteAndTell(results, given.out);
 }
 
-int Merge(const Told& told) {
-  const fs::path out = told.out.empty() ? told.directories.front() : told.out;
-  const SweepResults results = ReadSweep(told.directories);
+int Merge(const Arguments& given) {
+  const fs::path out = given.out.empty() ? given.directories.front() : given.out;
+  const SweepResults results = ReadSweep(given.directories);
   // Beside its parts a result may be made anew at any time.
-  const bool beside = std::ranges::any_of(told.directories, [&](const fs::path& directory) {
+  const bool beside = std::ranges::any_of(given.directories, [&](const fs::path& directory) {
     std::error_code none;
     return fs::equivalent(directory, out, none);
   });
   for (const char* name : {"results.csv", "results.h5", "report.html", "verdict.json"})
-    if (std::error_code unknown; !beside && !told.force && fs::exists(out / name, unknown))
+    if (std::error_code unknown; !beside && !given.force && fs::exists(out / name, unknown))
       throw Error((out / name).string() +
                   " exists; give --force to write over it, or another --out");
   for (const std::string& line : results.told) Say(line);
@@ -157,22 +157,22 @@ int Merge(const Told& told) {
   return results.whole() && results.repeated.empty() ? 0 : kNotWhole;
 }
 
-int Rerun(const Told& told) {
-  const SweepResults results = ReadSweep({told.folder});
+int Rerun(const Arguments& given) {
+  const SweepResults results = ReadSweep({given.folder});
   const Sweep& sweep = results.sweep;
-  Require(told.index < sweep.runs(), "the sweep has runs 0 to " + Text(sweep.runs() - 1),
-          told.index);
-  const fs::path report = told.out / "report.html";
-  if (std::error_code unknown; !told.force && fs::exists(report, unknown))
+  Require(given.index < sweep.runs(), "the sweep has runs 0 to " + Text(sweep.runs() - 1),
+          given.index);
+  const fs::path report = given.out / "report.html";
+  if (std::error_code unknown; !given.force && fs::exists(report, unknown))
     throw Error(report.string() + " exists; give --force to write over it, or another --out");
-  const ExperimentFile file = sweep.FileOf(told.index);
+  const ExperimentFile file = sweep.FileOf(given.index);
   std::vector<fs::path> logs;
   {
     const StopSignals signals;
     ProgressLine line;
     try {
-      logs = RunExperiment(file, {.out = told.out,
-                                  .force = told.force,
+      logs = RunExperiment(file, {.out = given.out,
+                                  .force = given.force,
                                   .progress = std::ref(line),
                                   .stop = &StopSignals::requested});
     } catch (const FailedRun& e) {
@@ -182,17 +182,17 @@ int Rerun(const Told& told) {
     if (StopSignals::requested) return kStopped;
   }
   const RunsReport of = ReportOf(logs);
-  WriteReport(of.report, of.runs(), told.out);
+  WriteReport(of.report, of.runs(), given.out);
 
   const RunData& run = *of.kept.front();
-  SweepRow row{.run = told.index, .random = sweep.RandomValuesOf(told.index), .ended = run.ended};
+  SweepRow row{.run = given.index, .random = sweep.RandomValuesOf(given.index), .ended = run.ended};
   sweep.Measure(run.log, row);
   for (std::size_t i = 0; i < row.numbers.size(); ++i)
     std::printf("%s: %s %s\n", sweep.numbers()[i].name.c_str(),
                 internal::YamlText(row.numbers[i]).c_str(), sweep.units()[i].c_str());
   std::printf("log: %s\nreport: %s\n", logs.front().c_str(),
-              (fs::absolute(told.out) / "report.html").lexically_normal().c_str());
-  const auto stored = std::ranges::find(results.rows, told.index, &SweepRow::run);
+              (fs::absolute(given.out) / "report.html").lexically_normal().c_str());
+  const auto stored = std::ranges::find(results.rows, given.index, &SweepRow::run);
   if (stored == results.rows.end()) {
     std::printf("the parts do not have this run yet\n");
     return 0;
@@ -210,7 +210,7 @@ int Rerun(const Told& told) {
 }  // namespace
 
 void AddSweepCommands(CLI::App& app, std::vector<Command>& commands) {
-  const auto told = std::make_shared<Told>();
+  const auto given = std::make_shared<Arguments>();
 
   CLI::App* sweep =
       app.add_subcommand("sweep", "Makes many runs of a scenario file and measures their numbers");
@@ -220,54 +220,54 @@ void AddSweepCommands(CLI::App& app, std::vector<Command>& commands) {
       "Values: a,b,c   from:to:count   from:to:count:log   uniform(a,b)   normal(mean,sigma)\n"
       "Lists make a grid, whose cells the runs take in turn. Runs that are there are not made "
       "again.");
-  sweep->add_option("file", told->file, "scenario with 'numbers', YAML")
+  sweep->add_option("file", given->file, "scenario with 'numbers', YAML")
       ->required()
       ->check(SaysSomething());
-  sweep->add_option("--over", told->over, "path=values, such as payload.mass=0.5:2:4")
+  sweep->add_option("--over", given->over, "path=values, such as payload.mass=0.5:2:4")
       ->allow_extra_args(false);
-  sweep->add_option("--runs", told->runs, "how many; as many as the grid has cells, if not given")
+  sweep->add_option("--runs", given->runs, "how many; as many as the grid has cells, if not given")
       ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1'000'000'000}));
-  sweep->add_option("--out", told->out, "folder of parts and results, made if it is not there")
+  sweep->add_option("--out", given->out, "folder of parts and results, made if it is not there")
       ->check(SaysSomething());
-  sweep->add_option("--jobs", told->jobs, "runs at a time")
+  sweep->add_option("--jobs", given->jobs, "runs at a time")
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
   sweep
-      ->add_option("--shard", told->shard,
+      ->add_option("--shard", given->shard,
                    "i/N: every N-th run, from the i-th on; else what mpirun, srun or a Slurm array "
                    "say")
       ->check(SaysSomething());
-  sweep->add_option("--run", told->run, "which of the file's runs, if it has several")
+  sweep->add_option("--run", given->run, "which of the file's runs, if it has several")
       ->check(SaysSomething());
   sweep
-      ->add_option("--set", told->set,
+      ->add_option("--set", given->set,
                    "path=value in the place of what the file says, such as station.ideal=true")
       ->allow_extra_args(false);
-  sweep->add_flag("--check", told->check, "only says whether it can be swept; needs no --out");
-  commands.push_back({sweep, [told] { return RunFile(*told); }});
+  sweep->add_flag("--check", given->check, "only says whether it can be swept; needs no --out");
+  commands.push_back({sweep, [given] { return RunFile(*given); }});
 
   CLI::App* merge = app.add_subcommand(
       "merge",
       "Joins the parts of a sweep into tables and a report; ends with 3 if runs are missing");
   merge->footer("Example: pliant merge out/sweep --out out/merged");
-  merge->add_option("folders", told->directories, "with parts of one sweep")->required();
+  merge->add_option("folders", given->directories, "with parts of one sweep")->required();
   merge
-      ->add_option("--out", told->out,
+      ->add_option("--out", given->out,
                    "folder of the results; the first of the others, if not given")
       ->check(SaysSomething());
-  merge->add_flag("--force", told->force, "write over results that are there");
-  commands.push_back({merge, [told] { return Merge(*told); }});
+  merge->add_flag("--force", given->force, "write over results that are there");
+  commands.push_back({merge, [given] { return Merge(*given); }});
 
   CLI::App* rerun =
       app.add_subcommand("rerun", "Makes one run of a sweep again, with a log and a report");
   rerun->footer("Example: pliant rerun out/sweep 5 --out out/again");
-  rerun->add_option("folder", told->folder, "with parts of a sweep")->required();
-  rerun->add_option("index", told->index, "of the run, from 0")->required();
-  rerun->add_option("--out", told->out, "folder of log and report, made if it is not there")
+  rerun->add_option("folder", given->folder, "with parts of a sweep")->required();
+  rerun->add_option("index", given->index, "of the run, from 0")->required();
+  rerun->add_option("--out", given->out, "folder of log and report, made if it is not there")
       ->required()
       ->check(SaysSomething());
-  rerun->add_flag("--force", told->force, "write over a log and a report that are there");
-  commands.push_back({rerun, [told] { return Rerun(*told); }});
+  rerun->add_flag("--force", given->force, "write over a log and a report that are there");
+  commands.push_back({rerun, [given] { return Rerun(*given); }});
 }
 
 }  // namespace pliant

@@ -334,12 +334,14 @@ TEST(Scenario, TakesOverFromPositionModeWithoutAJerk) {
   EXPECT_LT((rows->Of("arm.position", 1000) - start).norm(), 1e-8);
 }
 
-TEST(ScenarioDiagram, GivesAnArmThatWasPushedWhileItWasHeldBackUnderPositionControl) {
-  // The estimate of the push is a fault at 2 % of a joint's torque, and in a second of it the
-  // reference that gives way would go further than `tracking` from the arm that is held.
+// The estimate of the push is a fault at 2 % of a joint's torque, and in a second of it the
+// reference that gives way would go further than `tracking` from the arm that is held.
+void ExpectAnArmThatWasPushedWhileItWasHeldGivenBack(const std::string& gives_way) {
   const Scenario scenario = ScenarioIn(R"(robot: gen3
 station: !SimulatedArm {ideal: true, engine: recursive}
-controller: !Compliance {tool: tool_frame, command: position, posture: {compliance: 1}}
+controller: !Compliance {tool: tool_frame, command: position, )" +
+                                       gives_way +
+                                       R"(}
 environment:
   - !Push {link: forearm_link, force: [0, 60 N, 0], start_s: 0.1, duration_s: 1, edge_s: 0.05}
 safety: {divergence: 0.02}
@@ -358,6 +360,14 @@ duration_s: 3
   sim.AdvanceTo(3);
   EXPECT_EQ(sim.Get(scene.safety->report).state, SafetyState::Running)
       << WordOf(sim.Get(scene.safety->report).cause);
+}
+
+TEST(ScenarioDiagram, GivesAnArmThatWasPushedWhileItWasHeldBackUnderPositionControl) {
+  ExpectAnArmThatWasPushedWhileItWasHeldGivenBack("posture: {compliance: 1}");
+}
+
+TEST(ScenarioDiagram, GivesAnArmThatWasPushedWhileItWasHeldBackInAModeThatGivesWay) {
+  ExpectAnArmThatWasPushedWhileItWasHeldGivenBack("modes: {mode: full_body}");
 }
 
 }  // namespace

@@ -540,7 +540,7 @@ class Sweeps(Test):
         part.write_bytes(part.read_bytes()[:-1])
         with self.assertWarnsRegex(RuntimeWarning, "its end, are no row$"):
             self.assertEqual(len(pliant.read_sweep([out])), 1)
-        with self.assertWarnsRegex(RuntimeWarning, "its end, are no row; what was there is made again$"):
+        with self.assertWarnsRegex(RuntimeWarning, "its end, are no row; the runs it lacks are made again$"):
             again = pliant.sweep(self.swept(), {"seed": [1, 2]}, out=out)
         np.testing.assert_array_equal(again.numbers, whole.numbers)
 
