@@ -14,7 +14,7 @@ namespace pliant::python {
 namespace {
 
 Duration PeriodOf(double period) {
-  Require(std::isfinite(period) && period >= 1e-9, "period must be >= 1e-9 s", period);
+  Require(period >= 1e-9 && period <= 1e9, "period must be 1e-9 s to 1e9 s", period);
   return Duration::Nanoseconds(std::llround(1e9 * period));
 }
 

@@ -129,8 +129,9 @@ class Estimators(Test):
                   pliant.MomentumObserver, self.gen3, gain=[1, 2], period=1e-3)
         with self.assertRaisesRegex(pliant.Error, "gain"):
             pliant.MomentumObserver(self.gen3, gain=-1, period=1e-3)
-        self.says("period must be >= 1e-9 s, got 0", pliant.Error,
-                  pliant.MomentumObserver, self.gen3, gain=1, period=0)
+        for period in (0, 1e300, np.nan):
+            self.says(f"period must be 1e-9 s to 1e9 s, got {period}", pliant.Error,
+                      pliant.MomentumObserver, self.gen3, gain=1, period=period)
         observer = pliant.MomentumObserver(self.gen3, gain=np.float32(1), period=1e-3)
         self.says("torque: expected 7 finite numbers, got inf at index 0", pliant.Error,
                   observer.update, np.zeros(7), np.zeros(7), [np.inf] * 7)
