@@ -118,32 +118,14 @@ Sweep::Sweep(const Description& description, const std::string& source)
           "there is no number to measure: the file has no 'numbers', a list of {name, title, "
           "signal, statistic, …}");
 
-  std::set<std::string> columns{"run", "ended", "failed", "sweep"};
+  std::set<std::string> columns{"run", "ended", "failed", "sweep", "seed"};
   double cells = 1;
   for (const std::string& text : description.over) {
-    const SweptValue swept(text);
-    RequireOfScenario(swept);
-    for (const SweptValue& other : over_)
-      Require(
-          !LiesIn(swept.path(), other.path()) && !LiesIn(other.path(), swept.path()),
-          "swept " + text + ": " + other.path() + " is swept too, and one would hide the other");
-    columns.insert(swept.path());
-    over_.push_back(swept);
-    sweeps_seed_ = sweeps_seed_ || swept.path() == "seed";
-    std::vector<std::string> values = swept.values();
-    // What is drawn is hardly ever a whole number, even if the mean is one.
-    const double mean = swept.mean(), beside = mean + 1e-9 * std::max(1.0, std::abs(mean));
-    if (swept.is_random()) values = {internal::YamlText(mean), internal::YamlText(beside)};
-    for (const std::string& value : values) {
-      ParameterFile changed = scenario_;
-      changed.Set(swept.path(), value, "swept " + swept.path() + "=" + value);
-      Scenario filled;
-      changed.Fill(filled);
-    }
-    cells *= static_cast<double>(std::max<std::size_t>(1, swept.values().size()));
+    Add(SweptValue(text));
+    columns.insert(over_.back().path());
+    cells *= static_cast<double>(std::max<std::size_t>(1, over_.back().values().size()));
   }
   Require(cells <= kMostRuns, "a sweep has at most " + Text(kMostRuns) + " cells", cells);
-  columns.insert("seed");
   for (const NamedNumber& number : experiment_.numbers)
     Require(columns.insert(number.name).second,
             "number '" + number.name + "': another column of the results has that name");
@@ -158,6 +140,26 @@ Sweep::Sweep(const Description& description, const std::string& source)
   const Recording recorded(names->signals, {});
   for (const NamedNumber& number : experiment_.numbers)
     units_.push_back(number.number.unit(recorded[number.number.signal]));
+}
+
+void Sweep::Add(const SweptValue& swept) {
+  RequireOfScenario(swept);
+  for (const SweptValue& other : over_)
+    Require(!LiesIn(swept.path(), other.path()) && !LiesIn(other.path(), swept.path()),
+            "swept " + swept.text() + ": " + other.path() +
+                " is swept too, and one would hide the other");
+  std::vector<std::string> values = swept.values();
+  // What is drawn is hardly ever a whole number, even if the mean is one.
+  const double mean = swept.mean(), beside = mean + 1e-9 * std::max(1.0, std::abs(mean));
+  if (swept.is_random()) values = {internal::YamlText(mean), internal::YamlText(beside)};
+  for (const std::string& value : values) {
+    ParameterFile changed = scenario_;
+    changed.Set(swept.path(), value, "swept " + swept.path() + "=" + value);
+    Scenario filled;
+    changed.Fill(filled);
+  }
+  over_.push_back(swept);
+  sweeps_seed_ = sweeps_seed_ || swept.path() == "seed";
 }
 
 std::string Sweep::MadeWithHere() {

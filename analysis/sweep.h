@@ -76,6 +76,7 @@ class Sweep {
  private:
   struct Description;
   Sweep(const Description& description, const std::string& source);
+  void Add(const SweptValue& swept);
   RandomStream StreamOf(std::uint64_t run) const;
 
   Experiment experiment_;
