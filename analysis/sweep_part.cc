@@ -226,6 +226,8 @@ SweepPart::SweepPart(std::filesystem::path file, const Sweep& sweep) : file_{std
 SweepPart::~SweepPart() { close(descriptor_); }
 
 void SweepPart::Open(const Sweep& sweep) {
+  if (!std::filesystem::is_regular_file(file_))
+    throw Error(file_.string() + ": expected a file for a part of the sweep; give another --out");
   // IsBeingWritten of another process has the lock for a moment.
   for (int k = 0; flock(descriptor_, LOCK_EX | LOCK_NB) != 0; ++k) {
     if (errno == EWOULDBLOCK && k < 10) {

@@ -344,16 +344,20 @@ void Gen3Arm::HandBack() {
   if (o_.lock_step.count() > 0) {
     give_back();
   } else {
+    const auto carry = [this] {
+      Latest();
+      CarryAndHold();
+      Send();
+    };
+    carry();  // before the first joint changes its mode
     std::atomic<bool> done{false};
     const std::jthread services([&] {
       give_back();
       done = true;
     });
     while (!done) {
-      Latest();
-      CarryAndHold();
-      Send();
       std::this_thread::sleep_for(std::chrono::duration<double>(seconds(o_.period)));
+      if (!done) carry();
     }
   }
   std::string failed = failures().substr(before);

@@ -349,6 +349,14 @@ TEST(SweepPart, IsRefusedIfItIsOfAnotherSweep) {
   EXPECT_THAT(SweepPartsIn(out.path()), SizeIs(1));  // nothing is left beside it
 }
 
+TEST(SweepPart, IsRefusedInThePlaceOfADevice) {
+  const TemporaryDirectory out;
+  const fs::path part = out.path() / "part-1-of-1";
+  fs::create_symlink("/dev/full", part);  // which can be read without end
+  EXPECT_EQ(ErrorOf([&] { RunSweep(Short(), {.out = out.path()}); }),
+            part.string() + ": expected a file for a part of the sweep; give another --out");
+}
+
 TEST(SweepPart, IsRefusedWhileAnotherProcessWritesIt) {
   const TemporaryDirectory out;
   RunSweep(Short(), {.out = out.path()});
