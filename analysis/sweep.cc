@@ -12,6 +12,7 @@
 #include "pliant/analysis/advance_run.h"
 #include "pliant/analysis/memory_sink.h"
 #include "pliant/analysis/printable.h"
+#include "pliant/analysis/read_number.h"
 #include "pliant/analysis/recorded_names.h"
 #include "pliant/analysis/run_log.h"
 #include "pliant/plants/parameter_text.h"
@@ -47,6 +48,10 @@ Experiment OneOf(const ExperimentFile& file, const std::string& run) {
           "the file has " + Text(runs.size()) + " runs; name the one to sweep: " + list);
   const auto found = run.empty() ? names.begin() : std::ranges::find(names, run);
   if (found == names.end()) throw Error("there is no run '" + run + "'" + DidYouMean(run, names));
+  Require(file.experiment.repeat == 1,
+          "a sweep makes each run once, with a seed of its own: expected no 'repeat', and as many "
+          "runs as are wanted",
+          file.experiment.repeat);
   return {.title = file.experiment.title,
           .summary = file.experiment.summary,
           .scenario = file.scenarios[static_cast<std::size_t>(found - names.begin())],
@@ -125,6 +130,8 @@ Sweep::Sweep(const Description& description, const std::string& source)
     columns.insert(over_.back().path());
     cells *= static_cast<double>(std::max<std::size_t>(1, over_.back().values().size()));
   }
+  Require(static_cast<double>(description.runs) <= kMostRuns,
+          "a sweep has at most " + Text(kMostRuns) + " runs", description.runs);
   Require(cells <= kMostRuns, "a sweep has at most " + Text(kMostRuns) + " cells", cells);
   for (const NamedNumber& number : experiment_.numbers)
     Require(columns.insert(number.name).second,
@@ -157,6 +164,8 @@ void Sweep::Add(const SweptValue& swept) {
     changed.Set(swept.path(), value, "swept " + swept.path() + "=" + value);
     Scenario filled;
     changed.Fill(filled);
+    // A word may be the name of what there is not.
+    if (!internal::ReadNumber(value)) ScenarioDiagram(filled, nullptr).builder.Build();
   }
   over_.push_back(swept);
   sweeps_seed_ = sweeps_seed_ || swept.path() == "seed";

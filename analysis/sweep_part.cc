@@ -7,9 +7,9 @@
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
+#include <cstdio>
 #include <cstring>
 #include <optional>
-#include <regex>
 #include <span>
 #include <string_view>
 #include <thread>
@@ -195,11 +195,15 @@ void RequireSameSweep(const Sweep& sweep, const std::filesystem::path& file,
 }
 
 std::vector<std::filesystem::path> SweepPartsIn(const std::filesystem::path& directory) {
-  static const std::regex name("part-[0-9]+-of-[0-9]+");
+  const auto is_of_part = [](const std::string& name) {
+    int length = 0;
+    std::sscanf(name.c_str(), "part-%*[0-9]-of-%*[0-9]%n", &length);
+    return length == static_cast<int>(name.size());
+  };
   std::vector<std::filesystem::path> parts;
   std::error_code error;
   for (const auto& entry : std::filesystem::directory_iterator(directory, error))
-    if (std::regex_match(entry.path().filename().string(), name) && entry.is_regular_file(error))
+    if (is_of_part(entry.path().filename().string()) && entry.is_regular_file(error))
       parts.push_back(entry.path());
   if (error)
     throw Error("cannot read the directory " + directory.string() + ": " + error.message());

@@ -115,7 +115,7 @@ void AddRows(SweepResults& results, std::vector<std::pair<SweepRow, std::string>
     if (results.rows.back() != row)
       throw Error("run " + Text(row.run) + " is not the same in " + *from + " and in " + where +
                   ": " + results.sweep.DifferenceOf(results.rows.back(), row) +
-                  "\nthe machines that made them compute differently; take the part of one away");
+                  "\nwhat made them computes differently; take one of the parts away");
     if (results.repeated.empty() || results.repeated.back() != row.run)
       results.repeated.push_back(row.run);
   }

@@ -23,7 +23,7 @@ struct SweepColumn {
 struct SweepResults {
   Sweep sweep;
   std::vector<SweepRow> rows = {};  ///< by run
-  /// Runs that more than one part has, the same in all.
+  /// Runs that are there more than once, the same each time.
   std::vector<std::uint64_t> repeated = {};
   std::vector<std::string> told = {};  ///< what was wrong with parts, a line each
 

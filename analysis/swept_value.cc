@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdio>
 #include <optional>
-#include <regex>
 #include <string_view>
 
 #include "pliant/analysis/printable.h"
@@ -64,8 +63,15 @@ std::string Rounded(double value) {
 
 bool LiesIn(const std::string& path, const std::string& other) {
   // An index may have zeros before it.
-  static const std::regex zeros("\\.0+(?=[0-9])");
-  const auto plain = [](const std::string& p) { return std::regex_replace(p, zeros, ".") + "."; };
+  const auto plain = [](const std::string& p) {
+    std::string all;
+    for (std::string key : SplitAt(p, '.')) {
+      if (key.find_first_not_of("0123456789") == key.npos)
+        key.erase(0, std::min(key.find_first_not_of('0'), key.size() - 1));
+      all += key + ".";
+    }
+    return all;
+  };
   return plain(path).starts_with(plain(other));
 }
 
@@ -128,6 +134,8 @@ bool SweptValue::ReadSpaced(const std::string& values) {
 void SweptValue::ReadList(const std::string& values) {
   values_ = Split(values);
   if (std::ranges::any_of(values_, &std::string::empty)) Fail("a value is empty");
+  if (values.find_first_of("'\"[{") == values.npos && values.find('(') != values.npos)
+    Fail("expected values, from:to:count, from:to:count:log, uniform(a,b) or normal(mean,sigma)");
 }
 
 double SweptValue::Draw(const RandomStream& stream) const {

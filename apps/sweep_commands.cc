@@ -75,7 +75,7 @@ void TellOfGaps(const SweepResults& results) {
   }
   if (!results.repeated.empty())
     Say(Count(results.repeated.size(), "run") +
-        " are in more than one part, the same in each; "
+        " are there more than once, the same each time; "
         "the first is run " +
         std::to_string(results.repeated.front()));
 }
@@ -262,7 +262,9 @@ void AddSweepCommands(CLI::App& app, std::vector<Command>& commands) {
       app.add_subcommand("rerun", "Makes one run of a sweep again, with a log and a report");
   rerun->footer("Example: pliant rerun out/sweep 5 --out out/again");
   rerun->add_option("folder", given->folder, "with parts of a sweep")->required();
-  rerun->add_option("index", given->index, "of the run, from 0")->required();
+  rerun->add_option("index", given->index, "of the run, from 0")
+      ->required()
+      ->check(CLI::Range(0, 999'999'999));
   rerun->add_option("--out", given->out, "folder of log and report, made if it is not there")
       ->required()
       ->check(SaysSomething());

@@ -234,7 +234,7 @@ integrator cannot.)")
       .def(
           "run",
           [](Held& held) {
-            AdvanceTo(held, held.sim().duration());
+            if (held.sim().time() < held.sim().duration()) AdvanceTo(held, held.sim().duration());
             const Held::Use sim(held);
             const py::gil_scoped_release release;
             sim->TickAtEnd();

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "pliant/analysis/run_sweep.h"
 #include "pliant/python/array.h"
@@ -20,20 +21,34 @@ namespace pliant::python {
 
 namespace {
 
+/// One of a list: text that would be several values, or a law, stands in quotes.
+std::string ListedOf(const py::handle& value) {
+  const std::string text = YamlOf(value);
+  const bool splits = py::isinstance<py::str>(value) && text.find_first_of("{[") == text.npos &&
+                      text.find_first_of(",:(") != text.npos;
+  return splits ? std::string(py::str(py::module_::import("json").attr("dumps")(value))) : text;
+}
+
 /// "path=values", as the command has them.
 std::vector<std::string> OverOf(const py::dict& over) {
   std::vector<std::string> texts;
   for (const auto& [path, values] : over) {
-    std::string text = std::string(py::str(path)) + "=";
+    const std::string name = py::str(path);
     if (py::isinstance<py::str>(values)) {
-      text += values.cast<std::string>();
-    } else {
-      bool first = true;
-      for (const py::handle value : py::iter(values)) {
-        text += (first ? "" : ",") + YamlOf(value);
-        first = false;
-      }
+      texts.push_back(name + "=" + values.cast<std::string>());
+      continue;
     }
+    const bool whole = PyBytes_Check(values.ptr()) || PyDict_Check(values.ptr());
+    const auto all =
+        py::reinterpret_steal<py::object>(whole ? nullptr : PySequence_Fast(values.ptr(), ""));
+    if (!all) {
+      PyErr_Clear();
+      throw py::type_error(name + ": expected a list of values, or text such as '0:1:3', got " +
+                           std::string(py::repr(values)));
+    }
+    std::string text = name + "=";
+    for (bool first = true; const py::handle value : all)
+      text += (std::exchange(first, false) ? "" : ",") + ListedOf(value);
     texts.push_back(text);
   }
   return texts;
@@ -73,9 +88,10 @@ std::vector<std::string> NamesOf(const SweepResults& results) {
 }
 
 py::object Column(const SweepResults& results, const std::string& name) {
-  const std::vector<std::string> names = NamesOf(results);
+  std::vector<std::string> names;
+  for (const SweepColumn& column : results.columns()) names.push_back(column.name);
   if (std::ranges::find(names, name) == names.end())
-    throw UnknownName("the sweep has no number '" + name + "'" + DidYouMean(name, names));
+    throw UnknownName("the sweep has no column '" + name + "'" + DidYouMean(name, names));
   return CellsOf(results, name);
 }
 
@@ -121,7 +137,8 @@ void BindSweep(py::module_& m) {
   py::class_<SweepResults>(m, "SweepResults",
                            R"(What the R runs of a sweep have left: K numbers of each.
 
-results["farthest"] is one of the numbers, (R,), NaN where it could not be measured.)")
+results["farthest"] is a column of results.csv: one of the numbers, (R,), NaN where it could not be
+measured; a swept value, by its path; "run", "seed"; why it "ended" early or "failed", texts.)")
       .def_property_readonly(
           "runs", [](const SweepResults& r) { return r.sweep.runs(); },
           "How many runs the sweep has; R, if they are all made.")

@@ -38,13 +38,17 @@ bool Simulation::AdvanceFor(double t, std::chrono::milliseconds at_most) {
     wall_s_ += std::chrono::duration<double>(passed()).count();
     time_ = sim_.time();
   };
-  // A run in many parts is the same run, bit for bit.
+  // A run in many parts is the same run, bit for bit. Its clock has nanoseconds: it stands still
+  // when the one nearest to t is reached.
   const double part = 10 * seconds(period_);
+  bool reached = false;
   if (t <= sim_.time()) sim_.AdvanceTo(t);
   try {
-    while (sim_.time() < t && !sim_.ended() && !stop && passed() < at_most) {
-      sim_.AdvanceTo(std::min(t, sim_.time() + part));
+    while (!reached && !stop && passed() < at_most) {
+      const double before = sim_.time();
+      sim_.AdvanceTo(std::min(t, before + part));
       time_ = sim_.time();
+      reached = sim_.ended() || sim_.time() == before;
     }
   } catch (const Error& e) {
     count();
@@ -54,7 +58,7 @@ bool Simulation::AdvanceFor(double t, std::chrono::milliseconds at_most) {
     throw;
   }
   count();
-  return sim_.time() >= t || sim_.ended() || stop;
+  return reached || stop;
 }
 
 void Simulation::TickAtEnd() { pliant::TickAtEnd(sim_, duration(), period_); }
@@ -79,7 +83,12 @@ std::vector<double> Simulation::Get(const ReadableValue& port) {
 }
 
 void Simulation::Set(const ReadableValue& port, const std::vector<double>& numbers) {
+  const std::vector<double> before = Get(port);
   sim_.SetNumbers(*port.value, numbers);
+  if (port.whole && Get(port) != numbers) {
+    sim_.SetNumbers(*port.value, before);
+    throw Error(port.path + ": expected a whole number of its type, got " + Text(numbers[0]));
+  }
   auto change = std::ranges::find(changed_, port.path, &std::pair<std::string, int>::first);
   if (change == changed_.end())
     change = changed_.insert(changed_.end(),

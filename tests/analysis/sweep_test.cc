@@ -76,7 +76,9 @@ TEST(SweptValues, RefuseWhatSaysNothing) {
        "and of logarithms from and to > 0"},
       {"a=uniform(2,1)", "expected uniform(a,b) with a < b"},
       {"a=uniform(", "expected uniform(a,b) with a < b"},
-      {"a=normal(1,0)", "expected normal(mean,sigma) with sigma > 0"}};
+      {"a=normal(1,0)", "expected normal(mean,sigma) with sigma > 0"},
+      {"a=gauss(1,2)",
+       "expected values, from:to:count, from:to:count:log, uniform(a,b) or normal(mean,sigma)"}};
   for (const auto& [text, message] : wrong)
     EXPECT_EQ(ErrorOf([&, &of = text] { SweptValue{of}; }), "swept " + text + ": " + message);
   std::string many = "a=0";
@@ -124,7 +126,20 @@ TEST(Sweep, RefusesBeforeAnyRunWhatCannotBeSwept) {
   EXPECT_EQ(refusal({"environment.0.force.1=5,6", "environment.00.force=[0,1,0],[0,2,0]"}),
             "swept environment.00.force=[0,1,0],[0,2,0]: environment.0.force.1 is swept too, and "
             "one would hide the other");
+  EXPECT_EQ(ErrorOf([] {
+              Short({"environment.0.force.1=5,6",
+                     "environment." + std::string(60'000, '0') + ".force.2=5,6"});
+            }),
+            "no error");
   EXPECT_THAT(refusal({"seed=uniform(0,100)"}), HasSubstr("expected a whole number"));
+  EXPECT_THAT(refusal({"environment.0.link=forearm_link,no_link"}),
+              HasSubstr("has no link \"no_link\""));
+  EXPECT_EQ(ErrorOf([] { Short({}, 1'000'000'001); }),
+            "a sweep has at most 1000000000 runs, got 1000000001");
+  EXPECT_THAT(ErrorOf([] {
+                Sweep(ExperimentFile::ReadText(kShort + "repeat: 2\n", "s.yaml"), "stiff", {}, 0);
+              }),
+              HasSubstr("expected no 'repeat', and as many runs as are wanted, got 2"));
   EXPECT_EQ(ErrorOf([] { Sweep(File(), "", {}, 0); }),
             "the file has 2 runs; name the one to sweep: stiff, full");
   EXPECT_EQ(ErrorOf([] { Sweep(File(), "stif", {}, 0); }),

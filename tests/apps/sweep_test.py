@@ -118,7 +118,7 @@ class Sweeps(InFolder):
                      "merge", "a", "--out", "merged")
         self.ends(0, *SWEEP, "--out", "b")
         said = self.ends(3, "merge", "a", "b", "--out", "merged", "--force")
-        self.assertEqual(said, "10 runs are in more than one part, the same in each; the first is run 0\n")
+        self.assertEqual(said, "10 runs are there more than once, the same each time; the first is run 0\n")
         self.assertEqual(self.table("merged"), self.table("b"))
         self.write("c/part-1-of-1", "no part")
         self.refuses("c/part-1-of-1: expected a part of a sweep, which begins with 'pliant sweep 1'; "

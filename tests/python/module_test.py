@@ -7,6 +7,7 @@ import _thread
 import gc
 import json
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -111,6 +112,15 @@ class Simulations(Test):
             self.assertEqual(parts.time, t)
         self.same(whole.log(), parts.log())
 
+    def test_time_has_nanoseconds(self):
+        sim = pliant.Simulation(short())
+        for t, reached in ((1e-300, 0), (0.003 + 4e-10, 0.003), (0.01 + 0.02, 0.03), (1 / 30, 0.033333333)):
+            sim.advance_to(t)
+            self.assertEqual(sim.time, reached)
+        sim.advance_to(0.07)
+        sim.run()
+        self.assertEqual(sim.time, 0.07)
+
     def test_a_log_is_written_that_the_command_replays_with_what_was_set(self):
         sim = pliant.Simulation(short())
         sim.advance_to(0.02)
@@ -167,6 +177,10 @@ class Simulations(Test):
                   sim.__getitem__, "arm.positio")
         with self.assertRaisesRegex(pliant.Error, "^arm.position cannot be set: it follows from others"):
             sim["arm.position"] = np.zeros(7)
+        which, before = "control.low_level.whole.value", sim["control.low_level.whole.value"]
+        for value in (-1, 1e30):
+            self.says(f"{which}: expected a whole number of its type, got {value}", pliant.Error, set_, which, value)
+            self.assertEqual(sim[which], before)
 
     def test_runs_are_chosen_by_name_or_index(self):
         scenario = pliant.Scenario.named("ec-aniso")
@@ -508,7 +522,9 @@ class Sweeps(Test):
             sim.run()
             speed = np.linalg.norm(sim.log()["arm.velocity"].numbers, axis=1).max()
             self.assertAlmostEqual(results["fastest"][i], speed, delta=1e-14)  # round-off of a norm
-        self.says("the sweep has no number 'fastes'; did you mean 'fastest'?", KeyError,
+        np.testing.assert_array_equal(results[of], results.values[of])
+        self.assertEqual((results["ended"], len(set(results["seed"]))), ([""] * 4, 4))
+        self.says("the sweep has no column 'fastes'; did you mean 'fastest'?", KeyError,
                   results.__getitem__, "fastes")
 
     def test_random_values_are_drawn_and_what_was_made_is_read_again(self):
@@ -530,6 +546,17 @@ class Sweeps(Test):
         self.says("jobs must be >= 1, got 0", pliant.Error, pliant.sweep, self.swept(), {"seed": [1]}, jobs=0)
         with self.assertRaises(pliant.Error):
             pliant.read_sweep([self.folder])
+        path = "environment.0.force.1"
+        for values in (20.0, None, b"12", {1: 2}):
+            self.says(f"{path}: expected a list of values, or text such as '0:1:3', got {values!r}", TypeError,
+                      pliant.sweep, self.swept(), {path: values})
+        self.says("a sweep has at most 1000000000 runs, got 18446744073709551615", pliant.Error,
+                  pliant.sweep, self.swept(), {}, runs=2**64 - 1)
+        with self.assertRaisesRegex(pliant.Error, "expected no 'repeat', and as many runs as are wanted, got 5"):
+            pliant.sweep(self.swept(repeat=5), {})
+        for word in ("0:1:3", "uniform(0,1)", "a,b"):  # in a list each is one word
+            with self.assertRaisesRegex(pliant.Error, "has no link \"" + re.escape(word)):
+                pliant.sweep(self.swept(), {"controller.tool": [word]})
         self.says("the scenario has no run 'stif'; did you mean 'run'?", KeyError,
                   pliant.sweep, self.swept(), {"seed": [1]}, run="stif")
 
