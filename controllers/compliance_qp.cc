@@ -81,6 +81,13 @@ Vector Slack(const Vector& lower, const Vector& x, const Vector& upper) {
   return (lower - x).cwiseMax(x - upper).cwiseMax(0);
 }
 
+/// What is made of the options has no more rows than these.
+const ComplianceQp::Options& WithRoom(const ComplianceQp::Options& o) {
+  Require(o.rows >= 0 && o.rows <= AccelerationRows::kMaxRows,
+          "rows must be from 0 to " + Text(AccelerationRows::kMaxRows), o.rows);
+  return o;
+}
+
 }  // namespace
 
 ComplianceQpReport ComplianceQpReport::None(int joints, int rows) {
@@ -94,7 +101,7 @@ ComplianceQpReport ComplianceQpReport::None(int joints, int rows) {
 }
 
 ComplianceQp::ComplianceQp(const Options& o)
-    : dynamics{this, "dynamics", o.model.joints()},
+    : dynamics{this, "dynamics", WithRoom(o).model.joints()},
       external_torque{this, "external_torque", o.model.joints(),
                       JointTorque::Zero(o.model.joints())},
       torque_limit{this, "torque_limit", o.model.joints(), o.model.effort_limit()},
@@ -121,8 +128,6 @@ ComplianceQp::ComplianceQp(const Options& o)
                       .solution = {},
                       .none = {},
                       .feasible = {}}} {
-  Require(o.rows >= 0 && o.rows <= AccelerationRows::kMaxRows,
-          "rows must be from 0 to " + Text(AccelerationRows::kMaxRows), o.rows);
   Require(o.fallback_damping >= 0 && std::isfinite(o.fallback_damping),
           "fallback_damping must be finite and >= 0", o.fallback_damping);
   Every(o.period)

@@ -142,7 +142,7 @@ void FrameStream::Filled(std::size_t bytes) { end_ += bytes; }
 std::optional<std::span<const std::byte>> FrameStream::Next() {
   const auto there = std::span(bytes_).subspan(begin_, end_ - begin_);
   const std::size_t marked = std::min(there.size(), kMark.size());
-  if (std::memcmp(there.data(), kMark.data(), marked) != 0)
+  if (!std::ranges::equal(there.first(marked), std::as_bytes(std::span(kMark)).first(marked)))
     throw Error("the stream of frames is out of step: expected 07 \"xEtRoK\" 07 before a frame");
   if (there.size() < kPrefix) return {};
   std::size_t length = 0;
