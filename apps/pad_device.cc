@@ -11,6 +11,11 @@
 
 #include "pliant/systems/error.h"
 
+#ifdef __SANITIZE_ADDRESS__
+/// What SDL does not give back is no leak of ours.
+extern "C" const char* __lsan_default_suppressions() { return "leak:libSDL2"; }
+#endif
+
 namespace pliant {
 
 namespace {

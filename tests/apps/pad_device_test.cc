@@ -12,9 +12,6 @@
 #include "pliant/tests/support/allocations.h"
 #include "pliant/tests/support/error_of.h"
 
-/// What SDL itself does not give back is no leak of ours.
-extern "C" const char* __lsan_default_suppressions() { return "leak:libSDL2"; }
-
 namespace pliant {
 namespace {
 
