@@ -10,6 +10,7 @@ ControlSupervisor::ControlSupervisor(const Options& o)
       reference{this, "reference", o.joints},
       measured_position{this, "measured_position", o.joints},
       measured_velocity{this, "measured_velocity", o.joints},
+      held{this, "held", {}, false},
       control{this, "control"},
       mode{this, "mode"},
       braking{this, "braking"},
@@ -32,9 +33,12 @@ ControlSupervisor::ControlSupervisor(const Options& o)
   Compute(mode).From(memory_).As([](const Memory& m) {
     return m.control == ArmControl::Position ? ControlMode::Position : ControlMode::Current;
   });
-  Compute(braking).From(memory_).As([](const Memory& m) { return m.braking; });
-  Compute(follow).From(memory_).As(
-      [](const Memory& m) { return m.control != ArmControl::Position; });
+  Compute(braking).From(memory_, held).As([](const Memory& m, bool held) {
+    return m.braking || (held && m.control == ArmControl::Position);
+  });
+  Compute(follow).From(memory_, held).As([](const Memory& m, bool held) {
+    return held || m.control != ArmControl::Position;
+  });
   Compute(posture).From(memory_).As([](const Memory& m) { return m.posture; });
 }
 

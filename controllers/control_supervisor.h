@@ -66,9 +66,10 @@ class ControlSupervisor final : public Block {
   Input<JointPosition> reference;  ///< r, as it is in open loop
   Input<JointPosition> measured_position;
   Input<JointVelocity> measured_velocity;
+  Input<bool> held;               ///< somebody else has the arm; no if not connected
   Output<ArmControl> control;     ///< what moves the arm
   Output<ControlMode> mode;       ///< of the arm: Position or Current
-  Output<bool> braking;           ///< on the way from torque to position
+  Output<bool> braking;           ///< on the way from torque to position, or held in position
   Output<bool> follow;            ///< the reference is the arm itself
   Output<JointPosition> posture;  ///< to hold
 

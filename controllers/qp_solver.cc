@@ -528,7 +528,7 @@ class DualActiveSet {
     for (int i = 0; i < n(); ++i) finite += 0 * w_.x[i];
     for (int i = 0; i < n() + m_; ++i) {
       w_.suspect[suspects] = static_cast<std::int16_t>(i);
-      suspects += !(w_.excess[i] <= 0) & !w_.active[i];
+      suspects += int{!(w_.excess[i] <= 0)} & int{!w_.active[i]};
     }
     entering_ = -1;
     double worst = 0;

@@ -445,6 +445,7 @@ ComplianceControl::ComplianceControl(const Options& o)
       Connect(moved->open, control.reference);
       Connect(measured_position, control.measured_position);
       Connect(measured_velocity, control.measured_velocity);
+      Connect(held, control.held);
       Connect(control.braking, supervisor.brakes);
       Connect(control.follow, moved->follow);
       Connect(control.posture, posture.target);

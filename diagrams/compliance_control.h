@@ -214,8 +214,8 @@ class ComplianceControl final : public Composite {
   Input<JointTorque> true_torque;  ///< τ_e; 0 if not connected
   Input<Wrench> wrench;            ///< of the wrist sensor; 0 if not connected
   Input<bool> wrench_valid;        ///< true if not connected
-  /// Somebody else has the arm, such as a SafetySupervisor; false if not connected. Read with the
-  /// command Position: the reference then is the arm itself, so that it goes on from there, and
+  /// Somebody else has the arm, such as a SafetySupervisor; false if not connected. Read under
+  /// position control: the reference then is the arm itself, so that it goes on from there, and
   /// modes hold the tool where it is. Not with a `reference` or a `door`, which go on meanwhile:
   /// who gives the arm back must see how far away they are.
   Input<bool> held;

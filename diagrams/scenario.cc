@@ -571,9 +571,11 @@ ScenarioDiagram::ScenarioDiagram(const Scenario& scenario, std::shared_ptr<Recor
     if (switches) b.Connect(from.measured_current, control->measured_current);
   });
   b.Connect(is_there ? link_motion.dynamics : arm->motion, tool.motion);
-  const bool commands_positions = control && compliance->command == ArmCommand::Position;
+  // Always, or now and then.
+  const bool commands_positions =
+      switches || (control && compliance->command == ArmCommand::Position);
   with_commanded([&](auto& by) {
-    if (commands_positions || switches)
+    if (commands_positions)
       b.Connect(control->position, by.position_command);  // else it holds its start
   });
   Delay<bool>* held = nullptr;

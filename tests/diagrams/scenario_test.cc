@@ -339,7 +339,7 @@ TEST(Scenario, TakesOverFromPositionModeWithoutAJerk) {
 void ExpectAnArmThatWasPushedWhileItWasHeldGivenBack(const std::string& gives_way) {
   const Scenario scenario = ScenarioIn(R"(robot: gen3
 station: !SimulatedArm {ideal: true, engine: recursive}
-controller: !Compliance {tool: tool_frame, command: position, )" +
+controller: !Compliance {tool: tool_frame, )" +
                                        gives_way +
                                        R"(}
 environment:
@@ -363,11 +363,15 @@ duration_s: 3
 }
 
 TEST(ScenarioDiagram, GivesAnArmThatWasPushedWhileItWasHeldBackUnderPositionControl) {
-  ExpectAnArmThatWasPushedWhileItWasHeldGivenBack("posture: {compliance: 1}");
+  ExpectAnArmThatWasPushedWhileItWasHeldGivenBack("command: position, posture: {compliance: 1}");
 }
 
 TEST(ScenarioDiagram, GivesAnArmThatWasPushedWhileItWasHeldBackInAModeThatGivesWay) {
-  ExpectAnArmThatWasPushedWhileItWasHeldGivenBack("modes: {mode: full_body}");
+  ExpectAnArmThatWasPushedWhileItWasHeldGivenBack("command: position, modes: {mode: full_body}");
+}
+
+TEST(ScenarioDiagram, GivesAnArmThatWasPushedWhileItWasHeldBackIfItMaySwitchToTorques) {
+  ExpectAnArmThatWasPushedWhileItWasHeldGivenBack("modes: {mode: full_body, control: position}");
 }
 
 }  // namespace
