@@ -84,6 +84,18 @@ TEST(ControlSupervisor, StopsBrakingWhereTorquesAreWantedAgain) {
   EXPECT_FALSE(arm.t.Get(arm.t->braking));
 }
 
+TEST(ControlSupervisor, FollowsAnArmThatIsHeldAndBrakesUnderPositionControl) {
+  for (const ArmControl control : {Position, KinovaTorque}) {
+    Arm arm(control);
+    for (const bool held : {false, true, false}) {
+      arm.t.Set(arm.t->held, held);
+      EXPECT_EQ(arm.After(control), control);
+      EXPECT_EQ(arm.t.Get(arm.t->braking), held && control == Position);
+      EXPECT_EQ(arm.t.Get(arm.t->follow), held || control != Position);
+    }
+  }
+}
+
 TEST(ControlSupervisor, DoesNotCountWholeTurnsOfJointsWithoutLimits) {
   Arm arm(Position, 0b01);
   arm.t.Set(arm.t->reference, {3.15, 0});
