@@ -136,7 +136,7 @@ UrdfJoint From(const urdf::Joint& from) {
 UrdfRobot ReadUrdf(const std::string& text, const std::string& source) {
   CheckUrdf(text, source);
   // XML counts tabs and line ends inside an attribute as blanks, urdfdom does not.
-  std::string blanks = text;
+  std::string blanks = Padded(text);
   std::ranges::replace_if(
       blanks, [](unsigned char c) { return std::isspace(c) != 0; }, ' ');
   Messages messages;
@@ -145,7 +145,7 @@ UrdfRobot ReadUrdf(const std::string& text, const std::string& source) {
 
   // urdfdom sorts by name; the document knows the order of the file, and the lines.
   TiXmlDocument document;
-  document.Parse(text.c_str(), nullptr, TIXML_ENCODING_UTF8);
+  document.Parse(Padded(text).c_str(), nullptr, TIXML_ENCODING_UTF8);
   const TiXmlElement& root = *document.RootElement();
   UrdfRobot robot;
   robot.name = model->getName();

@@ -27,6 +27,9 @@ struct UrdfRobot {
 
 UrdfRobot ReadUrdf(const std::string& text, const std::string& source);
 
+/// For TinyXML, which reads a letter of UTF-8 that the text cuts off to where it would end.
+inline std::string Padded(const std::string& text) { return text + std::string(3, '\0'); }
+
 /// Throws, with file and line, what makes a URDF text no robot; see RobotModel::FromUrdf.
 void CheckUrdf(const std::string& text, const std::string& source);
 

@@ -31,7 +31,7 @@ std::optional<double> Number(std::string_view word) {
 class Check {
  public:
   Check(const std::string& text, const std::string& source) : source_{source} {
-    document_.Parse(text.c_str(), nullptr, TIXML_ENCODING_UTF8);
+    document_.Parse(Padded(text).c_str(), nullptr, TIXML_ENCODING_UTF8);
     if (document_.Error()) {
       const int row = document_.ErrorRow();
       throw Error(source_ + (row > 0 ? ":" + Text(row) : "") +

@@ -27,7 +27,7 @@ std::string WithInertials(const std::string& urdf, const std::map<std::string, I
                           const std::string& source) {
   internal::CheckUrdf(urdf, source);
   TiXmlDocument document;
-  document.Parse(urdf.c_str(), nullptr, TIXML_ENCODING_UTF8);
+  document.Parse(internal::Padded(urdf).c_str(), nullptr, TIXML_ENCODING_UTF8);
   for (const auto& [name, inertial] : inertials) {
     TiXmlElement* link = document.RootElement()->FirstChildElement("link");
     while (link && name != link->Attribute("name")) link = link->NextSiblingElement("link");

@@ -227,6 +227,34 @@ TEST(ComplianceControl, LeavesAWrenchThatIsNotValidAlone) {
   }
 }
 
+TEST(ComplianceControl, HoldsTheToolWhereAnArmIsThatItGetsBack) {
+  ComplianceControl::Options o{.model = Gen3(),
+                               .position = {0, 0.26, 3.14, -2.27, 0, 0.96, 1.57},
+                               .rotor_inertia = {},
+                               .tool = "tool_frame"};
+  JointPosition away = o.position;
+  away(1) += 0.2;
+  for (const bool switches : {false, true}) {
+    o.modes = {.mode = ComplianceMode::Stiff};
+    if (switches)
+      o.modes->control = ArmControl::Position;
+    else
+      o.command = ArmCommand::Position;
+    BlockTester<ComplianceControl> t(o);
+    t.Set(t->measured_position, away);
+    t.Set(t->measured_velocity, JointVelocity::Zero(o.model.joints()));
+    t.Set(t->measured_torque, JointTorque::Zero(o.model.joints()));
+    t.Set(t->held, true);
+    for (int k = 0; k < 1000; ++k) t.Tick();
+    EXPECT_EQ(t.Get(t->position), away);
+    EXPECT_LT(t.Get(t->pose_error).norm(), 1e-9);
+    t.Set(t->held, false);
+    for (int k = 0; k < 1000; ++k) t.Tick();
+    EXPECT_LT(t.Get(t->pose_error).norm(), 1e-9);
+    o.command = {};
+  }
+}
+
 TEST(ComplianceControl, GivesWayThroughPositionsAsThroughTorques) {
   const auto moved = [](ArmCommand command) {
     Scenario scenario = Pushed(1, 1, TorqueEstimate::True);
