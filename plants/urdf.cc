@@ -150,15 +150,23 @@ UrdfRobot ReadUrdf(const std::string& text, const std::string& source) {
   UrdfRobot robot;
   robot.name = model->getName();
   robot.source = source;
+  // Tabs, and references such as &#955;, are something else to urdfdom.
+  const auto named = [&](const auto& found, const TiXmlElement& e) {
+    if (!found)
+      throw Error(source + ":" + Text(e.Row()) + ": not every reader reads the name \"" +
+                  e.Attribute("name") +
+                  "\" alike; write it without tabs, line ends and references to characters");
+    return *found;
+  };
   for (const TiXmlElement* e = root.FirstChildElement("link"); e; e = e->NextSiblingElement("link"))
-    robot.links.push_back(From(*model->getLink(e->Attribute("name"))));
+    robot.links.push_back(From(named(model->getLink(e->Attribute("name")), *e)));
   const auto index = [&](const std::string& name) {
     return static_cast<int>(std::ranges::find(robot.links, name, &Link::name) -
                             robot.links.begin());
   };
   for (const TiXmlElement* e = root.FirstChildElement("joint"); e;
        e = e->NextSiblingElement("joint")) {
-    const urdf::Joint& from = *model->getJoint(e->Attribute("name"));
+    const urdf::Joint from = named(model->getJoint(e->Attribute("name")), *e);
     UrdfJoint j = From(from);
     j.line = e->Row();
     j.joint.parent = index(from.parent_link_name);

@@ -9,6 +9,7 @@
 
 #include "pliant/plants/robot_model.h"
 #include "pliant/systems/error.h"
+#include "pliant/tests/support/error_of.h"
 
 namespace pliant {
 namespace {
@@ -103,6 +104,16 @@ TEST(Urdf, SyntaxErrorIsFoundInItsLine) {
               StartsWith("arm.urdf:9: this is not well-formed XML: "));
   EXPECT_THAT(Complaint("<mass value=\"2\"/>", "<mass value=2\"/>"),
               StartsWith("arm.urdf:7: this is not well-formed XML: "));
+}
+
+TEST(Urdf, NamesAreToBeReadAlikeByAll) {
+  for (const std::string name : {"&#955;", "a\tb", "a\nb"}) {
+    std::string text = kArm;
+    for (std::size_t at; (at = text.find("upper")) != text.npos;) text.replace(at, 5, name);
+    EXPECT_THAT(ErrorOf([&] { RobotModel::FromUrdfText(text, "arm.urdf"); }),
+                HasSubstr("alike; write it without tabs, line ends and references to characters"))
+        << name;
+  }
 }
 
 TEST(Urdf, EmptyTextIsNoXml) {
