@@ -107,9 +107,9 @@ TEST(Urdf, SyntaxErrorIsFoundInItsLine) {
 }
 
 TEST(Urdf, NamesAreToBeReadAlikeByAll) {
-  for (const std::string name : {"&#955;", "a\tb", "a\nb"}) {
+  for (const std::string name : {"\"&#955;\"", "\"a\tb\"", "\"a\nb\""}) {
     std::string text = kArm;
-    for (std::size_t at; (at = text.find("upper")) != text.npos;) text.replace(at, 5, name);
+    for (std::size_t at; (at = text.find("\"fore\"")) != text.npos;) text.replace(at, 6, name);
     EXPECT_THAT(ErrorOf([&] { RobotModel::FromUrdfText(text, "arm.urdf"); }),
                 HasSubstr("alike; write it without tabs, line ends and references to characters"))
         << name;
