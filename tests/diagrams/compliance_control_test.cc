@@ -241,10 +241,12 @@ TEST(ComplianceControl, HoldsTheToolWhereAnArmIsThatItGetsBack) {
     else
       o.command = ArmCommand::Position;
     BlockTester<ComplianceControl> t(o);
-    t.Set(t->measured_position, away);
+    t.Set(t->measured_position, o.position);
     t.Set(t->measured_velocity, JointVelocity::Zero(o.model.joints()));
     t.Set(t->measured_torque, JointTorque::Zero(o.model.joints()));
+    t.Tick();
     t.Set(t->held, true);
+    t.Set(t->measured_position, away);
     for (int k = 0; k < 1000; ++k) t.Tick();
     EXPECT_EQ(t.Get(t->position), away);
     EXPECT_LT(t.Get(t->pose_error).norm(), 1e-9);
