@@ -28,8 +28,8 @@ void RequireOptions(const BootstrapOptions& o) {
 double Evaluate(const SampleStatistic& statistic, const std::vector<double>& values,
                 const std::string& sample) {
   const double found = statistic(values);
-  // Its cube stays finite.
-  Require(std::abs(found) <= 1e75, "the statistic of " + sample + " must lie within ±1e75", found);
+  Require(std::abs(found) <= internal::kLargestOfSample,
+          "the statistic of " + sample + " must lie within ±1e75", found);
   return found;
 }
 

@@ -13,10 +13,8 @@ void RequireSample(const std::vector<double>& values, std::string_view sample, s
   Require(values.size() >= least,
           name + " must have at least " + (least == 1 ? "one value" : Text(least) + " values"),
           values.size());
-  // Squares and cubes, and the products of both, stay finite.
-  constexpr double kLargest = 1e75;
   const auto wrong =
-      std::ranges::find_if(values, [](double v) { return !(std::abs(v) <= kLargest); });
+      std::ranges::find_if(values, [](double v) { return !(std::abs(v) <= kLargestOfSample); });
   if (wrong == values.end()) return;
   const std::string where = name + ": value " + Text(wrong - values.begin() + 1);
   Require(std::isfinite(*wrong), where + " must be finite: leave out what was not measured",

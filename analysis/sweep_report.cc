@@ -5,9 +5,11 @@
 #include <map>
 #include <numeric>
 #include <optional>
+#include <ranges>
 
 #include "pliant/analysis/printable.h"
 #include "pliant/analysis/read_number.h"
+#include "pliant/analysis/sample.h"
 #include "pliant/analysis/summary.h"
 #include "pliant/analysis/sweep_results.h"
 #include "pliant/analysis/with_unit.h"
@@ -64,19 +66,17 @@ Table NumbersTable(const std::vector<Measured>& all) {
                           "95 % are below", "greatest", "in run"},
               .rows = {},
               .caption =
-                  "Of the runs that have the number; no mean if one is infinite. `pliant rerun` "
-                  "makes a run again, with a log."};
+                  "Of the runs that have the number; no mean if one is beyond ±1e75. `pliant "
+                  "rerun` makes a run again, with a log."};
   for (const Measured& m : all) {
     std::vector<std::string>& cells =
         table.rows.emplace_back(std::vector<std::string>{m.number->title + m.label()});
     cells.push_back(Text(m.sorted.size()));
     cells.resize(table.columns.size(), "–");
     if (m.sorted.empty()) continue;
-    std::vector<double> finite;
-    for (const auto& [value, run] : m.sorted)
-      if (std::isfinite(value)) finite.push_back(value);
-    if (finite.size() == m.sorted.size()) {
-      const Summary summary = Summarize(finite);
+    if (std::max(-m.sorted.front().first, m.sorted.back().first) <= internal::kLargestOfSample) {
+      const auto values = std::views::keys(m.sorted);
+      const Summary summary = Summarize({values.begin(), values.end()});
       cells[2] = Digits(summary.mean);
       cells[3] = Digits(summary.standard_deviation);
     }

@@ -14,11 +14,11 @@
 namespace {
 
 constexpr char kExitCodes[] =
-    "Exit codes: 0 it ran; 1 a claim fails (--strict), a replay or a run made again differs, a "
-    "log\n"
-    "is not whole, a contact passes its limits or doctor misses something; 2 wrong use or input;\n"
-    "3 it could not go on, runs of a sweep are missing, or a fault ended the run of an arm; 130\n"
-    "stopped by Ctrl-C, what was logged is kept. The run of an arm that Ctrl-C stops ends with 0.";
+    "Exit codes: 0 it ran; 1 a claim fails (--strict), a replay or a run made again differs, a\n"
+    "log is not whole, a contact passes its limits or doctor misses something; 2 wrong use or\n"
+    "input; 3 it could not go on, runs of a sweep are missing or all failed, or a fault ended the\n"
+    "run of an arm; 130 stopped by Ctrl-C, what was logged is kept. The run of an arm that Ctrl-C\n"
+    "stops ends with 0.";
 
 /// What CLI11 would call a missing command; the words before the first option name one.
 void RequireKnownCommand(const CLI::App& app, int argc, char** argv) {

@@ -24,7 +24,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kStopped = 130, kNotWhole = 3;
+constexpr int kStopped = 130, kIncomplete = 3;
 
 /// What `sweep`, `merge` and `rerun` are given.
 struct Arguments {
@@ -43,7 +43,7 @@ std::string Count(std::uint64_t count, const char* what) {
   return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
 }
 
-/// Writes tables and report, and says what is in them.
+/// Writes tables and report, and says what is in them; the exit code.
 int WriteAndTell(const SweepResults& results, const fs::path& out) {
   try {
     WriteSweepTables(results, out);
@@ -56,7 +56,9 @@ int WriteAndTell(const SweepResults& results, const fs::path& out) {
               failures > 0 ? (", of which " + std::to_string(failures) + " failed").c_str() : "");
   for (const char* name : {"results.csv", "results.h5", "report.html"})
     std::printf("%s\n", (fs::absolute(out) / name).lexically_normal().c_str());
-  return 0;
+  if (failures < std::max<std::size_t>(results.rows.size(), 1)) return 0;
+  Say("every run failed; the first says: " + results.rows.front().failed);
+  return kIncomplete;
 }
 
 /// Says which runs are not there, and which are there twice.
@@ -132,7 +134,7 @@ int RunFile(const Arguments& given) {
     return kStopped;
   }
   if (shard.of > 1) {
-    Say("`pliant merge " + given.out.string() + "` joins the parts when all are made");
+    Say("`pliant merge` joins the parts in " + given.out.string() + " when all are made");
     return 0;
   }
   TellOfGaps(results);
@@ -153,8 +155,8 @@ int Merge(const Arguments& given) {
                   " exists; give --force to write over it, or another --out");
   for (const std::string& line : results.told) Say(line);
   TellOfGaps(results);
-  WriteAndTell(results, out);
-  return results.whole() && results.repeated.empty() ? 0 : kNotWhole;
+  const int code = WriteAndTell(results, out);
+  return results.whole() && results.repeated.empty() ? code : kIncomplete;
 }
 
 int Rerun(const Arguments& given) {

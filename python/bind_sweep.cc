@@ -9,6 +9,8 @@
 #include <memory>
 #include <optional>
 #include <utility>
+#include <variant>
+#include <vector>
 
 #include "pliant/analysis/run_sweep.h"
 #include "pliant/python/array.h"
@@ -183,9 +185,15 @@ over: values by path: a list, or text as of the command, '70:500:20' or 'uniform
 make a grid, the last running fastest. runs: 0 is one for each cell of the grid. run: name or index, of a
 scenario with several. out: a folder for what is made; a sweep that was interrupted goes on there, and
 what is damaged there is a RuntimeWarning.)");
-  m.def("read_sweep", &Read, "folders"_a,
-        "Reads what is made of a sweep, from the folders of all its parts. What is damaged is a "
-        "RuntimeWarning.");
+  m.def(
+      "read_sweep",
+      [](const std::variant<std::filesystem::path, std::vector<std::filesystem::path>>& folders) {
+        const auto* one = std::get_if<std::filesystem::path>(&folders);
+        return Read(one ? std::vector{*one} : std::get<1>(folders));
+      },
+      "folders"_a,
+      "Reads what is made of a sweep, from the folder of its parts or from all of them. What is "
+      "damaged is a RuntimeWarning.");
 }
 
 }  // namespace pliant::python

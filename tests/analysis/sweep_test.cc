@@ -288,6 +288,17 @@ TEST(RunSweep, HasARowWithTheCauseOfARunThatFails) {
   EXPECT_THAT(report.results[1].rows, SizeIs(2)) << "two kinds of causes";
 }
 
+TEST(ReportOfASweep, HasNoMeanOfNumbersWhoseSquaresOverflow) {
+  SweepResults results = RunSweep(Short());
+  results.rows[1].numbers[0] = 1e300;
+  const TemporaryDirectory out;
+  const Report report = ReportOf(results);
+  WriteReport(report, out.path());
+  const std::vector<std::string>& cells = report.results[0].rows[0];
+  EXPECT_THAT((std::vector{cells[2], cells[3], cells[8], cells[9]}),
+              ElementsAre("–", "–", "1e+300", "1"));
+}
+
 /// A file of an experiment in a folder, swept whole, and one byte of it changed.
 TEST(SweepPart, PassesOverARowThatIsDamagedAndSaysSo) {
   const TemporaryDirectory out;

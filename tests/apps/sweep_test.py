@@ -82,6 +82,13 @@ class Sweeps(InFolder):
             self.ends(0, "merge", name)
             self.assertEqual(self.table(name), one)
 
+    def test_says_if_every_run_failed(self):
+        said = self.ends(3, "sweep", "arm.yaml", "--over", "duration_s=0.02,0.03", "--set",
+                         "numbers.0.from_s=0.05", "--out", "out")
+        self.assertIn("\nevery run failed; the first says: farthest: no row of control.pose_error lies between ", said)
+        self.assertEqual(len(self.table("out").splitlines()), 3)
+        self.assertIn("every run failed; ", self.ends(3, "merge", "out"))
+
     def test_stops_at_a_signal_and_goes_on(self):
         process = self.start(*map(str, SWEEP), "--out", "out")
         self.wait_for(self.folder / "out/part-1-of-1", 4000)

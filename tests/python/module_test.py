@@ -533,7 +533,7 @@ class Sweeps(Test):
         results = pliant.sweep(self.swept(), over, runs=6, out=out)
         drawn = results.values["environment.0.force.1"]
         self.assertTrue((10 < drawn).all() and (drawn < 30).all() and len(set(drawn)) == 6)
-        again = pliant.read_sweep([out])
+        again = pliant.read_sweep(out)
         np.testing.assert_array_equal(again.numbers, results.numbers)
         results.write(self.folder)
         self.assertEqual(len((self.folder / "results.csv").read_text().splitlines()), 7)
