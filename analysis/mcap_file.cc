@@ -22,35 +22,30 @@ constexpr std::uint64_t kBlock = 1 << 20;
 
 }  // namespace
 
-McapFile::McapFile(std::filesystem::path path) : name_{path.string()}, place_{name_ + ": "} {
-  // A pipe without a writer must not make us wait.
-  descriptor_ = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-  if (descriptor_ < 0) throw Error("cannot read " + name_ + ": " + std::strerror(errno));
-  try {
-    struct stat status;
-    if (fstat(descriptor_, &status) != 0)
-      throw Error("cannot read " + name_ + ": " + std::strerror(errno));
-    if (!S_ISREG(status.st_mode)) throw Error("cannot read " + name_ + ": it is not a file");
-    size_ = static_cast<std::uint64_t>(status.st_size);
-    std::array<std::byte, 8> begin{};
-    const std::size_t there = std::min<std::uint64_t>(size_, begin.size());
-    Read(0, std::span(begin).first(there), there);
-    if (std::memcmp(begin.data(), kMcapMagic.data(), begin.size()) != 0)
-      throw Error(name_ + ": not an MCAP file: " +
-                  (size_ == 0 ? "it is empty" : "it does not begin with \\x89MCAP0\\r\\n"));
-  } catch (...) {
-    close(descriptor_);
-    throw;
-  }
+McapFile::McapFile(std::filesystem::path path)
+    : name_{path.string()},
+      place_{name_ + ": "},
+      // A pipe without a writer must not make us wait.
+      descriptor_{open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)} {
+  if (descriptor_.get() < 0) throw Error("cannot read " + name_ + ": " + std::strerror(errno));
+  struct stat status;
+  if (fstat(descriptor_.get(), &status) != 0)
+    throw Error("cannot read " + name_ + ": " + std::strerror(errno));
+  if (!S_ISREG(status.st_mode)) throw Error("cannot read " + name_ + ": it is not a file");
+  size_ = static_cast<std::uint64_t>(status.st_size);
+  std::array<std::byte, 8> begin{};
+  const std::size_t there = std::min<std::uint64_t>(size_, begin.size());
+  Read(0, std::span(begin).first(there), there);
+  if (std::memcmp(begin.data(), kMcapMagic.data(), begin.size()) != 0)
+    throw Error(name_ + ": not an MCAP file: " +
+                (size_ == 0 ? "it is empty" : "it does not begin with \\x89MCAP0\\r\\n"));
 }
-
-McapFile::~McapFile() { close(descriptor_); }
 
 std::size_t McapFile::Read(std::uint64_t at, std::span<std::byte> to, std::size_t least) const {
   std::size_t done = 0;
   while (done < to.size()) {
     const ssize_t n =
-        pread(descriptor_, to.data() + done, to.size() - done, static_cast<off_t>(at + done));
+        pread(descriptor_.get(), to.data() + done, to.size() - done, static_cast<off_t>(at + done));
     if (n < 0 && errno == EINTR) continue;
     if (n <= 0 && done >= least) break;
     if (n < 0) throw Error(At(at + done) + "cannot read: " + std::strerror(errno));

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "pliant/analysis/mcap_bytes.h"
+#include "pliant/systems/descriptor.h"
 
 namespace pliant::internal {
 
@@ -17,9 +18,6 @@ class McapFile {
  public:
   /// Throws Error if it cannot be opened or is not an MCAP file.
   explicit McapFile(std::filesystem::path path);
-  ~McapFile();
-  McapFile(const McapFile&) = delete;
-  McapFile& operator=(const McapFile&) = delete;
 
   const std::string& name() const { return name_; }
   const std::string& place() const { return place_; }  ///< "FILE: "
@@ -33,7 +31,7 @@ class McapFile {
 
  private:
   const std::string name_, place_;
-  int descriptor_ = -1;
+  Descriptor descriptor_;
   std::uint64_t size_ = 0;
 };
 

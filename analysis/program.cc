@@ -13,6 +13,7 @@
 #include <iterator>
 
 #include "pliant/analysis/write_file.h"
+#include "pliant/systems/descriptor.h"
 #include "pliant/systems/error.h"
 
 namespace pliant::internal {
@@ -42,27 +43,19 @@ class InputFile {
  public:
   InputFile(const std::string& name, std::string_view text)
       : descriptor_{memfd_create("input", MFD_CLOEXEC)} {
-    if (descriptor_ < 0) CannotRun(name);
+    if (descriptor_.get() < 0) CannotRun(name);
     while (!text.empty()) {
-      const ssize_t written = write(descriptor_, text.data(), text.size());
-      if (written < 0 && errno != EINTR) {
-        close(descriptor_);
-        CannotRun(name);
-      }
+      const ssize_t written = write(descriptor_.get(), text.data(), text.size());
+      if (written < 0 && errno != EINTR) CannotRun(name);
       if (written > 0) text.remove_prefix(static_cast<std::size_t>(written));
     }
-    lseek(descriptor_, 0, SEEK_SET);
+    lseek(descriptor_.get(), 0, SEEK_SET);
   }
-  ~InputFile() {
-    if (descriptor_ >= 0) close(descriptor_);
-  }
-  InputFile(const InputFile&) = delete;
-  InputFile& operator=(const InputFile&) = delete;
 
-  int descriptor() const { return descriptor_; }
+  int descriptor() const { return descriptor_.get(); }
 
  private:
-  int descriptor_;
+  Descriptor descriptor_;
 };
 
 std::string ReadAll(int descriptor) {
@@ -78,14 +71,16 @@ std::string ReadAll(int descriptor) {
 /// Its standard output goes to the descriptor `out`.
 Outcome Run(const Program& program, const Program::Call& call, int out) {
   const InputFile input(program.name, call.input);
-  int messages[2];
-  if (pipe2(messages, O_CLOEXEC) != 0) CannotRun(program.name);
+  int ends[2];
+  if (pipe2(ends, O_CLOEXEC) != 0) CannotRun(program.name);
+  const Descriptor messages(ends[0]);
+  Descriptor their_messages(ends[1]);
 
   FileActions files;
   posix_spawn_file_actions_addchdir_np(&files.actions, call.directory.c_str());
   posix_spawn_file_actions_adddup2(&files.actions, input.descriptor(), STDIN_FILENO);
   posix_spawn_file_actions_adddup2(&files.actions, out, STDOUT_FILENO);
-  posix_spawn_file_actions_adddup2(&files.actions, messages[1], STDERR_FILENO);
+  posix_spawn_file_actions_adddup2(&files.actions, their_messages.get(), STDERR_FILENO);
 
   std::vector<std::string> words{program.name};
   words.insert(words.end(), call.arguments.begin(), call.arguments.end());
@@ -96,9 +91,8 @@ Outcome Run(const Program& program, const Program::Call& call, int out) {
   pid_t child = -1;
   const int failure =
       posix_spawnp(&child, program.name.c_str(), &files.actions, nullptr, argv.data(), environ);
-  close(messages[1]);
-  Outcome outcome{failure ? "" : ReadAll(messages[0]), false};
-  close(messages[0]);
+  their_messages = Descriptor();
+  Outcome outcome{failure ? "" : ReadAll(messages.get()), false};
   if (failure)
     throw Error("cannot run " + program.name + ", which " + program.task + ": " +
                 std::strerror(failure) + "\ninstall the Debian package " + program.package +

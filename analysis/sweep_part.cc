@@ -145,21 +145,6 @@ SweepPartContent Parsed(std::string_view bytes, const std::filesystem::path& fil
   throw Error("cannot " + std::string(act) + " " + file.string() + ": " + std::strerror(errno));
 }
 
-/// Closes a file with its end.
-class Descriptor {
- public:
-  explicit Descriptor(int number) : number_{number} {}
-  ~Descriptor() {
-    if (number_ >= 0) close(number_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  operator int() const { return number_; }
-
- private:
-  const int number_;
-};
-
 }  // namespace
 
 SweepPartContent SweepPartContent::Read(const std::filesystem::path& file) {
@@ -212,28 +197,21 @@ std::vector<std::filesystem::path> SweepPartsIn(const std::filesystem::path& dir
 }
 
 bool IsBeingWritten(const std::filesystem::path& file) {
-  const Descriptor part(open(file.c_str(), O_RDONLY | O_CLOEXEC));
-  return part >= 0 && flock(part, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  const internal::Descriptor part(open(file.c_str(), O_RDONLY | O_CLOEXEC));
+  return part.get() >= 0 && flock(part.get(), LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
 }
 
-SweepPart::SweepPart(std::filesystem::path file, const Sweep& sweep) : file_{std::move(file)} {
-  descriptor_ = open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-  if (descriptor_ < 0) ThrowOf(file_, "write");
-  try {
-    Open(sweep);
-  } catch (...) {
-    close(descriptor_);
-    throw;
-  }
+SweepPart::SweepPart(std::filesystem::path file, const Sweep& sweep)
+    : file_{std::move(file)}, descriptor_{open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666)} {
+  if (descriptor_.get() < 0) ThrowOf(file_, "write");
+  Open(sweep);
 }
-
-SweepPart::~SweepPart() { close(descriptor_); }
 
 void SweepPart::Open(const Sweep& sweep) {
   if (!std::filesystem::is_regular_file(file_))
     throw Error(file_.string() + ": expected a file for a part of the sweep; give another --out");
   // IsBeingWritten of another process has the lock for a moment.
-  for (int k = 0; flock(descriptor_, LOCK_EX | LOCK_NB) != 0; ++k) {
+  for (int k = 0; flock(descriptor_.get(), LOCK_EX | LOCK_NB) != 0; ++k) {
     if (errno == EWOULDBLOCK && k < 10) {
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
       continue;
@@ -249,7 +227,7 @@ void SweepPart::Open(const Sweep& sweep) {
   if (content.whole > 0) RequireSameSweep(sweep, file_, content.text);
   rows_ = std::move(content.rows);
   end_ = content.whole;
-  if (end_ < bytes.size() && ftruncate(descriptor_, static_cast<off_t>(end_)) != 0)
+  if (end_ < bytes.size() && ftruncate(descriptor_.get(), static_cast<off_t>(end_)) != 0)
     ThrowOf(file_, "cut");
   if (end_ == 0) Write(Framed(kMagic, sweep.text()));
 }
@@ -258,14 +236,14 @@ void SweepPart::Append(const SweepRow& row) { Write(Framed(kRow, ContentOf(row))
 
 void SweepPart::Write(const std::string& bytes) {
   for (std::size_t done = 0; done < bytes.size();) {
-    const ssize_t written = pwrite(descriptor_, bytes.data() + done, bytes.size() - done,
+    const ssize_t written = pwrite(descriptor_.get(), bytes.data() + done, bytes.size() - done,
                                    static_cast<off_t>(end_ + done));
     if (written >= 0) {
       done += static_cast<std::size_t>(written);
     } else if (errno != EINTR) {
       const int reason = errno;
       // Half a row would be cut anyway.
-      if (ftruncate(descriptor_, static_cast<off_t>(end_)) != 0) errno = reason;
+      if (ftruncate(descriptor_.get(), static_cast<off_t>(end_)) != 0) errno = reason;
       errno = reason;
       ThrowOf(file_, "write");
     }

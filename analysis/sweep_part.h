@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "pliant/analysis/sweep.h"
+#include "pliant/systems/descriptor.h"
 
 namespace pliant {
 
@@ -44,9 +45,6 @@ class SweepPart {
   /// Goes on with a part that is there; what stands behind its last row is cut. Throws Error if
   /// another process writes it, or if it is of another sweep.
   SweepPart(std::filesystem::path file, const Sweep& sweep);
-  ~SweepPart();
-  SweepPart(const SweepPart&) = delete;
-  SweepPart& operator=(const SweepPart&) = delete;
 
   const std::vector<SweepRow>& rows() const { return rows_; }  ///< that were there
   /// What was wrong with it, a line each.
@@ -58,7 +56,7 @@ class SweepPart {
   void Write(const std::string& bytes);
 
   const std::filesystem::path file_;
-  int descriptor_ = -1;
+  internal::Descriptor descriptor_;
   std::uint64_t end_ = 0;
   std::vector<SweepRow> rows_;
   std::vector<std::string> damage_;

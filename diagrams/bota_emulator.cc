@@ -24,28 +24,22 @@ void FlipABit(PacketFaults::Packet& packet, std::uint32_t number) {
 
 }  // namespace
 
-BotaEmulator::BotaEmulator(const Options& o) : options_{o}, faults_{o.faults, FlipABit} {
-  ours_ = posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+BotaEmulator::BotaEmulator(const Options& o)
+    : options_{o},
+      faults_{o.faults, FlipABit},
+      ours_{posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC)} {
   std::array<char, 128> name{};
-  if (ours_ >= 0 && grantpt(ours_) == 0 && unlockpt(ours_) == 0 &&
-      ptsname_r(ours_, name.data(), name.size()) == 0)
-    theirs_ = open(name.data(), O_RDWR | O_NOCTTY | O_CLOEXEC);
-  if (theirs_ < 0) {
-    const int error = errno;
-    if (ours_ >= 0) close(ours_);
-    throw Error(std::string("there is no pseudo terminal: ") + std::strerror(error) +
+  if (ours_.get() >= 0 && grantpt(ours_.get()) == 0 && unlockpt(ours_.get()) == 0 &&
+      ptsname_r(ours_.get(), name.data(), name.size()) == 0)
+    theirs_ = internal::Descriptor(open(name.data(), O_RDWR | O_NOCTTY | O_CLOEXEC));
+  if (theirs_.get() < 0)
+    throw Error(std::string("there is no pseudo terminal: ") + std::strerror(errno) +
                 "; /dev/pts must be mounted and have one left");
-  }
   path_ = name.data();
   termios tty{};
-  tcgetattr(theirs_, &tty);
+  tcgetattr(theirs_.get(), &tty);
   cfmakeraw(&tty);  // or it would echo
-  tcsetattr(theirs_, TCSANOW, &tty);
-}
-
-BotaEmulator::~BotaEmulator() {
-  close(theirs_);
-  close(ours_);
+  tcsetattr(theirs_.get(), TCSANOW, &tty);
 }
 
 void BotaEmulator::Tick(const Wrench& wrench) {
@@ -68,7 +62,7 @@ void BotaEmulator::Tick(const Wrench& wrench) {
     packet.emplace(bytes.begin(), bytes.end());
   }
   for (const PacketFaults::Packet& each : faults_.Pass(t, std::move(packet)))
-    sent_ += write(ours_, each.data(), each.size()) == static_cast<ssize_t>(each.size());
+    sent_ += write(ours_.get(), each.data(), each.size()) == static_cast<ssize_t>(each.size());
 }
 
 }  // namespace pliant

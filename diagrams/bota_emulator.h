@@ -6,6 +6,7 @@
 
 #include "pliant/diagrams/packet_faults.h"
 #include "pliant/plants/bota_frame.h"
+#include "pliant/systems/descriptor.h"
 #include "pliant/systems/signal.h"
 #include "pliant/systems/time.h"
 
@@ -22,9 +23,6 @@ class BotaEmulator {
 
   /// Throws Error if there is no pseudo terminal.
   explicit BotaEmulator(const Options& o);
-  ~BotaEmulator();
-  BotaEmulator(const BotaEmulator&) = delete;
-  BotaEmulator& operator=(const BotaEmulator&) = delete;
 
   const std::string& path() const { return path_; }  ///< the device to read
 
@@ -36,7 +34,7 @@ class BotaEmulator {
  private:
   const Options options_;
   PacketFaults faults_;
-  int ours_ = -1, theirs_ = -1;  // the two ends; theirs is held open, so that it is there
+  internal::Descriptor ours_, theirs_;  // the two ends; theirs is held open, so that it is there
   std::string path_;
   std::int64_t tick_ = 0, sent_ = 0;
   std::int64_t on_since_ = 0;  // tick

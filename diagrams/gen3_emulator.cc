@@ -22,6 +22,7 @@
 #include <utility>
 
 #include "pliant/diagrams/faulty_replies.h"
+#include "pliant/systems/descriptor.h"
 #include "pliant/systems/error.h"
 
 namespace pliant {
@@ -41,23 +42,6 @@ constexpr double kTick = 1e-3;        // [s]
 constexpr double kMostBehind = 0.05;  // time that is caught up with [s]
 
 std::string SystemError() { return std::strerror(errno); }
-
-class Descriptor {
- public:
-  explicit Descriptor(int fd = -1) : fd_{fd} {}
-  ~Descriptor() {
-    if (fd_ >= 0) ::close(fd_);
-  }
-  Descriptor(Descriptor&& o) noexcept : fd_{std::exchange(o.fd_, -1)} {}
-  Descriptor& operator=(Descriptor&& o) noexcept {
-    std::swap(fd_, o.fd_);
-    return *this;
-  }
-  int get() const { return fd_; }
-
- private:
-  int fd_;
-};
 
 sockaddr_in AddressOf(const std::string& text, int port) {
   sockaddr_in address{};
@@ -80,11 +64,11 @@ sockaddr_in AddressOf(std::uint64_t key) {
   return address;
 }
 
-Descriptor Bound(int type, const std::string& text, int port) {
+internal::Descriptor Bound(int type, const std::string& text, int port) {
   const char* const name = type == SOCK_STREAM ? "port" : "UDP port";
   Require(port >= 0 && port <= 65535, std::string(name) + " must be in 0 … 65535", port);
   const sockaddr_in address = AddressOf(text, port);
-  Descriptor fd(::socket(AF_INET, type | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  internal::Descriptor fd(::socket(AF_INET, type | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   const int yes = 1;
   if (type == SOCK_STREAM) ::setsockopt(fd.get(), SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
   if (fd.get() < 0 ||
@@ -95,7 +79,7 @@ Descriptor Bound(int type, const std::string& text, int port) {
   return fd;
 }
 
-int PortOf(const Descriptor& fd) {
+int PortOf(const internal::Descriptor& fd) {
   sockaddr_in address{};
   socklen_t size = sizeof address;
   ::getsockname(fd.get(), reinterpret_cast<sockaddr*>(&address), &size);
@@ -158,7 +142,7 @@ class Gen3Emulator::Loop {
     std::vector<std::byte> bytes;
   };
   struct Connection {
-    Descriptor fd;
+    internal::Descriptor fd;
     std::uint64_t number;
     double last_s;  // it was heard
     kortex::FrameStream stream = {};
@@ -196,7 +180,7 @@ class Gen3Emulator::Loop {
   Gen3Body arm_;
   Gen3Base base_;
   FaultyReplies replies_;
-  Descriptor listener_, datagrams_, wake_;
+  internal::Descriptor listener_, datagrams_, wake_;
   std::list<Connection> connections_;
   std::uint64_t next_number_ = 0;
 
@@ -367,7 +351,8 @@ void Gen3Emulator::Loop::SendReplies() {
 
 void Gen3Emulator::Loop::Accept() {
   for (int n = 0; n < 16; ++n) {
-    Descriptor fd(::accept4(listener_.get(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
+    internal::Descriptor fd(
+        ::accept4(listener_.get(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
     const bool full = fd.get() < 0 ? errno == EMFILE || errno == ENFILE
                                    : connections_.size() >= o_.most_connections;
     if (full && !connections_.empty())

@@ -3,7 +3,6 @@
 #include <arpa/inet.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
-#include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
@@ -15,7 +14,7 @@ namespace pliant {
 
 namespace {
 
-int Listen(const std::string& bind_to, int port) {
+internal::Descriptor Listen(const std::string& bind_to, int port) {
   Require(port >= 0 && port <= 65535, "port must be from 0 to 65535", port);
   sockaddr_in at{};
   at.sin_family = AF_INET;
@@ -24,12 +23,11 @@ int Listen(const std::string& bind_to, int port) {
     throw Error("cannot listen at '" + bind_to +
                 "': expected an IPv4 address of this machine, such as 127.0.0.1, or 0.0.0.0 for "
                 "all it has");
-  const int s = socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
-  if (s >= 0 && bind(s, reinterpret_cast<const sockaddr*>(&at), sizeof at) == 0) return s;
-  const int error = errno;
-  if (s >= 0) close(s);
+  internal::Descriptor s(socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  if (s.get() >= 0 && bind(s.get(), reinterpret_cast<const sockaddr*>(&at), sizeof at) == 0)
+    return s;
   throw Error("cannot listen at " + bind_to + ":" + std::to_string(port) + ": " +
-              std::strerror(error) + "; port 0 is any that is free");
+              std::strerror(errno) + "; port 0 is any that is free");
 }
 
 /// A record that is too short: a wrong bit on the way is noticed by UDP itself.
@@ -52,12 +50,12 @@ struct RdtEmulator::Peer {
 RdtEmulator::RdtEmulator(const Options& o)
     : options_{o}, faults_{o.faults, CutShort}, socket_{Listen(o.bind, o.port)} {}
 
-RdtEmulator::~RdtEmulator() { close(socket_); }
+RdtEmulator::~RdtEmulator() = default;
 
 int RdtEmulator::port() const {
   sockaddr_in at{};
   socklen_t size = sizeof at;
-  getsockname(socket_, reinterpret_cast<sockaddr*>(&at), &size);
+  getsockname(socket_.get(), reinterpret_cast<sockaddr*>(&at), &size);
   return ntohs(at.sin_port);
 }
 
@@ -66,7 +64,7 @@ void RdtEmulator::Answer(bool hears, const Wrench& wrench) {
   for (int i = 0; i < 1000; ++i) {
     sockaddr_in from{};
     socklen_t size = sizeof from;
-    const ssize_t got = recvfrom(socket_, bytes.data(), bytes.size(), MSG_TRUNC,
+    const ssize_t got = recvfrom(socket_.get(), bytes.data(), bytes.size(), MSG_TRUNC,
                                  reinterpret_cast<sockaddr*>(&from), &size);
     if (got < 0 && errno != EINTR && errno != ECONNREFUSED) return;
     if (!hears || got != static_cast<ssize_t>(bytes.size())) continue;
@@ -109,7 +107,7 @@ void RdtEmulator::Tick(const Wrench& wrench) {
   const std::vector<PacketFaults::Packet> arrives = faults_.Pass(t, std::move(packet));
   if (!peer_) return;
   for (const PacketFaults::Packet& each : arrives)
-    sent_ += sendto(socket_, each.data(), each.size(), MSG_NOSIGNAL,
+    sent_ += sendto(socket_.get(), each.data(), each.size(), MSG_NOSIGNAL,
                     reinterpret_cast<const sockaddr*>(&peer_->address), sizeof peer_->address) >= 0;
 }
 

@@ -7,6 +7,7 @@
 
 #include "pliant/diagrams/packet_faults.h"
 #include "pliant/plants/rdt_frame.h"
+#include "pliant/systems/descriptor.h"
 #include "pliant/systems/signal.h"
 #include "pliant/systems/time.h"
 
@@ -45,7 +46,7 @@ class RdtEmulator {
 
   const Options options_;
   PacketFaults faults_;
-  int socket_ = -1;
+  internal::Descriptor socket_;
   std::unique_ptr<Peer> peer_;  // who asked, and how many records it is to get
   std::int64_t tick_ = 0, sent_ = 0;
   RdtRecord record_;

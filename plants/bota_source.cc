@@ -72,25 +72,21 @@ BotaSource::BotaSource(const Options& o)
   Require(Duration{} < o.silence, "silence must be > 0", o.silence.text());
   const std::string name = o.device.string();
   Require(!name.empty(), "device must be the serial port of a force sensor, such as /dev/ttyUSB0");
-  port_ = open(name.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
-  if (port_ < 0)
+  port_ = internal::Descriptor(open(name.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
+  if (port_.get() < 0)
     throw Error("cannot open the force sensor's port '" + name + "': " + std::strerror(errno) +
                 WayOut(errno));
-  if (!isatty(port_)) {
-    close(port_);
+  if (!isatty(port_.get()))
     throw Error("'" + name + "' is no serial port; expected one such as /dev/ttyUSB0");
-  }
-  MakeRaw(port_);
-  Forget(port_);
+  MakeRaw(port_.get());
+  Forget(port_.get());
 }
-
-BotaSource::~BotaSource() { close(port_); }
 
 bool BotaSource::Read(WrenchReading& newest) noexcept {
   bool news = false;
   std::array<std::uint8_t, 4096> bytes;
   for (int i = 0; i < kMostAtOnce; ++i) {
-    const ssize_t size = read(port_, bytes.data(), bytes.size());
+    const ssize_t size = read(port_.get(), bytes.data(), bytes.size());
     if (size < 0 && errno == EINTR) continue;
     if (size <= 0) break;  // nothing there, or unplugged
     const auto now = std::chrono::steady_clock::now();

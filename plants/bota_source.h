@@ -6,6 +6,7 @@
 
 #include "pliant/plants/bota_frame.h"
 #include "pliant/plants/wrench_source.h"
+#include "pliant/systems/descriptor.h"
 #include "pliant/systems/time.h"
 
 namespace pliant {
@@ -26,9 +27,6 @@ class BotaSource final : public WrenchSource {
 
   /// Throws Error if there is no such device, it is none, or it may not be opened.
   explicit BotaSource(const Options& o);
-  ~BotaSource() override;
-  BotaSource(const BotaSource&) = delete;
-  BotaSource& operator=(const BotaSource&) = delete;
 
   bool Read(WrenchReading& newest) noexcept override;
 
@@ -37,7 +35,7 @@ class BotaSource final : public WrenchSource {
 
   const double period_us_;
   const std::chrono::duration<double> silence_;
-  int port_ = -1;
+  internal::Descriptor port_;
   BotaParser parser_;
   LinkCounts link_;
   std::chrono::steady_clock::time_point heard_;

@@ -2,7 +2,6 @@
 
 #include <netdb.h>
 #include <sys/socket.h>
-#include <unistd.h>
 
 #include <array>
 #include <cerrno>
@@ -19,7 +18,7 @@ namespace {
 constexpr int kMostAtOnce = 1000;                         // a tick ends even if a sensor floods it
 constexpr std::int32_t kBehind = 1000, kAhead = 1000000;  // numbers of a sensor that began anew
 
-int ConnectTo(const std::string& host, int port) {
+internal::Descriptor ConnectTo(const std::string& host, int port) {
   addrinfo hints{};
   hints.ai_family = AF_INET;
   hints.ai_socktype = SOCK_DGRAM;
@@ -29,12 +28,10 @@ int ConnectTo(const std::string& host, int port) {
     throw Error("cannot find the force sensor '" + host + "': " + gai_strerror(rc) +
                 "; expected its IPv4 address, such as 192.168.1.1, or a name the network knows");
   const std::unique_ptr<addrinfo, decltype(&freeaddrinfo)> all(found, &freeaddrinfo);
-  const int s = socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+  internal::Descriptor s(socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   // Connected, the kernel drops what comes from any other address.
-  if (s >= 0 && connect(s, all->ai_addr, all->ai_addrlen) == 0) return s;
-  const int error = errno;
-  if (s >= 0) close(s);
-  throw Error("cannot reach the force sensor '" + host + "': " + std::strerror(error) +
+  if (s.get() >= 0 && connect(s.get(), all->ai_addr, all->ai_addrlen) == 0) return s;
+  throw Error("cannot reach the force sensor '" + host + "': " + std::strerror(errno) +
               "; is this machine in the sensor's network? `ip route` tells");
 }
 
@@ -51,10 +48,7 @@ RdtSource::RdtSource(const Options& o) : scale_{o.scale}, patience_{seconds(o.as
   Ask(RdtCommand::Start);
 }
 
-RdtSource::~RdtSource() {
-  Ask(RdtCommand::Stop);
-  close(socket_);
-}
+RdtSource::~RdtSource() { Ask(RdtCommand::Stop); }
 
 void RdtSource::Ask(RdtCommand command) noexcept {
   heard_ = std::chrono::steady_clock::now();
@@ -62,14 +56,14 @@ void RdtSource::Ask(RdtCommand command) noexcept {
   const std::array<std::uint8_t, kRdtRequestBytes> bytes = Encode(RdtRequest{.command = command});
   // One that is lost is asked again; so is one that nobody listened to, which the next call tells.
   for (int i = 0; i < 2; ++i)
-    if (send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL) >= 0) return;
+    if (send(socket_.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL) >= 0) return;
 }
 
 bool RdtSource::Read(WrenchReading& newest) noexcept {
   bool any = false, news = false;
   std::array<std::uint8_t, kRdtRecordBytes> bytes;
   for (int i = 0; i < kMostAtOnce; ++i) {
-    const ssize_t size = recv(socket_, bytes.data(), bytes.size(), MSG_TRUNC);
+    const ssize_t size = recv(socket_.get(), bytes.data(), bytes.size(), MSG_TRUNC);
     if (size < 0) {
       if (errno == ECONNREFUSED || errno == EINTR) continue;  // what was asked was not heard
       break;

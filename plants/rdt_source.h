@@ -6,6 +6,7 @@
 
 #include "pliant/plants/rdt_frame.h"
 #include "pliant/plants/wrench_source.h"
+#include "pliant/systems/descriptor.h"
 #include "pliant/systems/time.h"
 
 namespace pliant {
@@ -41,7 +42,7 @@ class RdtSource final : public WrenchSource {
 
   const RdtScale scale_;
   const std::chrono::duration<double> patience_;
-  int socket_ = -1;
+  internal::Descriptor socket_;
   std::chrono::steady_clock::time_point heard_;  // or asked, whichever is later
   LinkCounts link_;
   bool begins_ = true;      // whatever number comes next is the first

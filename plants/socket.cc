@@ -5,7 +5,6 @@
 #include <netinet/tcp.h>
 #include <poll.h>
 #include <sys/socket.h>
-#include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
@@ -69,16 +68,12 @@ Socket ConnectTo(const std::string& host, int port, int type, std::chrono::milli
 
 }  // namespace
 
-Socket::~Socket() {
-  if (descriptor_ >= 0) close(descriptor_);
-}
-
 bool Socket::WaitToRead(std::chrono::nanoseconds patience) const noexcept {
-  return Wait(descriptor_, POLLIN, patience);
+  return Wait(descriptor_.get(), POLLIN, patience);
 }
 
 bool Socket::WaitToWrite(std::chrono::nanoseconds patience) const noexcept {
-  return Wait(descriptor_, POLLOUT, patience);
+  return Wait(descriptor_.get(), POLLOUT, patience);
 }
 
 Socket ConnectTcp(const std::string& host, int port, std::chrono::milliseconds limit) {

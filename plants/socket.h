@@ -2,7 +2,8 @@
 
 #include <chrono>
 #include <string>
-#include <utility>
+
+#include "pliant/systems/descriptor.h"
 
 namespace pliant {
 
@@ -10,14 +11,8 @@ namespace pliant {
 class Socket {
  public:
   explicit Socket(int descriptor = -1) : descriptor_{descriptor} {}
-  Socket(Socket&& other) noexcept : descriptor_{std::exchange(other.descriptor_, -1)} {}
-  Socket& operator=(Socket&& other) noexcept {
-    std::swap(descriptor_, other.descriptor_);
-    return *this;
-  }
-  ~Socket();
 
-  int descriptor() const { return descriptor_; }
+  int descriptor() const { return descriptor_.get(); }
 
   /// Sleeps until there is something to read, or room to write; false if there is not within
   /// `patience`.
@@ -25,7 +20,7 @@ class Socket {
   bool WaitToWrite(std::chrono::nanoseconds patience) const noexcept;
 
  private:
-  int descriptor_;
+  internal::Descriptor descriptor_;
 };
 
 /// Connected and non-blocking; each address of the host is tried, for `limit` at most. Throws Error
