@@ -31,9 +31,10 @@ if(PLIANT_WERROR)
 endif()
 if(PLIANT_SANITIZE)
   # A null pointer ends a program anyway, and this processor takes any alignment: to check each access
-  # for both doubles the code.
+  # for both doubles the code. What is not initialized GCC guesses wrongly of code with such checks.
   target_compile_options(pliant_options INTERFACE -fsanitize=${PLIANT_SANITIZE} -fno-sanitize=null,alignment
-                                                  -fno-omit-frame-pointer -fno-sanitize-recover=all)
+                                                  -fno-omit-frame-pointer -fno-sanitize-recover=all
+                                                  $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
   target_link_options(pliant_options INTERFACE -fsanitize=${PLIANT_SANITIZE})
 endif()
 if(PLIANT_COVERAGE)
