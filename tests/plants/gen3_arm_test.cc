@@ -342,6 +342,7 @@ TEST(Gen3Arm, CarriesItsWeightAndDampsUntilItIsHandedBack) {
   arm.arm.emplace(o);
   arm.Tick(ControlMode::Torque, arm->start().position, {0, 50, 0, 0, 0, 0, 0});
   while (arm->Latest().status.switching != 0) arm.Tick(ControlMode::Torque);
+  arm.Tick(ControlMode::Torque);  // its answer is new when the arm is handed back
   arm->HandBack();
   const RobotModel model = Gen3();
   RobotDynamics d(model);
