@@ -33,7 +33,7 @@ class InFolder(unittest.TestCase):
         (self.folder / name).write_text(text)
 
     def pliant(self, *arguments, **options):
-        options = {"capture_output": True, "text": True, "cwd": self.folder, "timeout": 60} | options
+        options = {"capture_output": True, "text": True, "cwd": self.folder, "timeout": 300} | options
         return subprocess.run([pliant_file, *map(str, arguments)], **options)
 
     def start(self, *arguments, **options):

@@ -308,11 +308,13 @@ TEST(PassivityMonitor, BeginsItsAccountWhenItIsToldTo) {
 }
 
 TEST(PassivityMonitor, PassesTheLawsOfBlocks) {
-  ExpectBlockLaws(BlockTester<PassivityMonitor>(PassivityMonitor::Options{.joints = Lwr().joints(),
-                                                                          .damping = kDamping,
-                                                                          .stiffness = {15, 15, 15},
-                                                                          .rate_gain_s = 0.1,
-                                                                          .period = 1ms}));
+  BlockTester<PassivityMonitor> t(PassivityMonitor::Options{.joints = Lwr().joints(),
+                                                            .damping = kDamping,
+                                                            .stiffness = {15, 15, 15},
+                                                            .rate_gain_s = 0.1,
+                                                            .period = 1ms});
+  t.Set(t->dynamics, RobotDynamics(Lwr()));
+  ExpectBlockLaws(std::move(t));
 }
 
 TEST(PassivityMonitor, RefusesOptionsOutOfRange) {
