@@ -128,11 +128,11 @@ class Gen3Emulator::Loop {
   int port() const { return PortOf(listener_); }
   int udp_port() const { return PortOf(datagrams_); }
   Counts counts() const {
-    const std::lock_guard lock(told_);
-    return told_counts_;
+    const std::lock_guard lock(turn_);
+    return counts_;
   }
   std::string failure() const {
-    const std::lock_guard lock(told_);
+    const std::lock_guard lock(turn_);
     return failure_;
   }
 
@@ -191,10 +191,10 @@ class Gen3Emulator::Loop {
   std::vector<pollfd> polled_;
   std::vector<std::byte> buffer_ = std::vector<std::byte>(kortex::kLargestFrame + 1);
   std::vector<std::byte> frame_ = std::vector<std::byte>(kortex::kLargestFrame);
-  Counts counts_;
 
-  mutable std::mutex told_;
-  Counts told_counts_;
+  // Who asks for them waits for the end of a turn: what was answered then is counted.
+  mutable std::mutex turn_;
+  Counts counts_;
   std::string failure_;
   std::atomic<bool> stop_{false};
   std::thread thread_;
@@ -206,7 +206,7 @@ void Gen3Emulator::Loop::Run() {
   try {
     while (!stop_) Turn();
   } catch (const std::exception& e) {
-    const std::lock_guard lock(told_);
+    const std::lock_guard lock(turn_);
     failure_ = e.what();
   }
   connections_.clear();
@@ -214,6 +214,7 @@ void Gen3Emulator::Loop::Run() {
 
 void Gen3Emulator::Loop::Turn() {
   Wait();
+  const std::lock_guard lock(turn_);
   ReadDatagrams();
   TickIfDue();
   if (polled_[1].revents != 0) Accept();
@@ -235,11 +236,9 @@ void Gen3Emulator::Loop::Turn() {
   connections_.remove_if([](const Connection& c) { return c.over; });
   SendReplies();
   base_.Expire(Time());
-  const std::lock_guard lock(told_);
   counts_.sessions = base_.opened();
   counts_.refused = base_.refused();
   counts_.ticks = arm_.ticks();
-  told_counts_ = counts_;
 }
 
 void Gen3Emulator::Loop::Wait() {
