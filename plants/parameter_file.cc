@@ -159,7 +159,8 @@ struct ParameterFile::Node {
   std::string word = {};
   bool quoted = false;
   std::vector<Entry> inner = {};
-  std::size_t size = 1;  // how many values it is, with those inside
+  std::size_t size = 1;   // how many values it is, with those inside
+  std::size_t bytes = 0;  // of their words, keys and tags
 
   bool IsMapOrNothing() const { return kind == Kind::Map || kind == Kind::Nothing; }
 
@@ -268,6 +269,7 @@ class ParameterFile::Reader final : public YAML::EventHandler {
     if (at_key()) {
       if (!open_.back().keys.insert(word).second) Fail(mark, Quoted(word) + " is given twice");
       open_.back().node.inner.push_back({word, Place(mark), nullptr});
+      open_.back().node.bytes += word.size();
       return;
     }
     ExpectValue(mark, 1);
@@ -278,7 +280,8 @@ class ParameterFile::Reader final : public YAML::EventHandler {
               .mark = Place(mark),
               .tag = given,
               .word = word,
-              .quoted = tag != "?"}),
+              .quoted = tag != "?",
+              .bytes = word.size() + given.size()}),
         anchor);
   }
   void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override {
@@ -286,6 +289,10 @@ class ParameterFile::Reader final : public YAML::EventHandler {
       Fail(mark, "an alias stands for what it is a part of");
     const auto found = anchored_.find(anchor);
     ExpectValue(mark, found == anchored_.end() ? 1 : found->second->size);
+    if (found != anchored_.end()) bytes_of_aliases_ += found->second->bytes;
+    if (bytes_of_aliases_ > kMostBytes)
+      Fail(mark, "more than " + Text(kMostBytes >> 10) +
+                     " KiB, the words of an alias counted wherever it stands");
     Put(found == anchored_.end() ? Made({.mark = Place(mark)}) : found->second, 0);
   }
 
@@ -343,6 +350,7 @@ class ParameterFile::Reader final : public YAML::EventHandler {
     }
     Node& in = open_.back().node;
     in.size += node->size;
+    in.bytes += node->bytes;
     if (in.kind == Node::Kind::Map)
       in.inner.back().value = std::move(node);
     else
@@ -353,7 +361,9 @@ class ParameterFile::Reader final : public YAML::EventHandler {
     ExpectValue(mark, 1);
     if (open_.size() == kMostOpen)
       Fail(mark, "more than " + Text(kMostOpen) + " maps and lists inside one another");
-    open_.push_back({{.kind = kind, .mark = Place(mark), .tag = TagOf(tag)}, anchor, {}});
+    const std::string given = TagOf(tag);
+    open_.push_back(
+        {{.kind = kind, .mark = Place(mark), .tag = given, .bytes = given.size()}, anchor, {}});
   }
   void CloseLast() {
     Collection last = std::move(open_.back());
@@ -364,7 +374,7 @@ class ParameterFile::Reader final : public YAML::EventHandler {
   const std::shared_ptr<const std::string> source_;
   const bool is_file_;
   int documents_ = 0;
-  std::size_t values_ = 0;
+  std::size_t values_ = 0, bytes_of_aliases_ = 0;
   std::shared_ptr<const Node> root_;
   std::vector<Collection> open_;  // from the outermost to the one that is read
   std::map<YAML::anchor_t, std::shared_ptr<const Node>> anchored_;
@@ -400,7 +410,12 @@ bool ParameterFile::IsNull() const { return node_->kind == Node::Kind::Nothing; 
 
 bool ParameterFile::IsList() const { return node_->kind == Node::Kind::List; }
 
-std::string ParameterFile::yaml() const { return node_->yaml(); }
+std::string ParameterFile::yaml() const {
+  std::string text = node_->yaml();
+  if (text.size() > kMostBytes)
+    Fail("in one line, without aliases, it is longer than " + Text(kMostBytes >> 10) + " KiB");
+  return text;
+}
 
 std::string ParameterFile::tag() const { return node_->tag; }
 

@@ -42,7 +42,8 @@ class ParameterFile {
 
   double number() const;
   std::string text() const;
-  /// The place as YAML in one line.
+  /// The place as YAML in one line, which reads back the same. Throws Error if that is longer than
+  /// a file may be.
   std::string yaml() const;
   /// What it is said to be: "Push" of `!Push {…}`; empty if nothing is said.
   std::string tag() const;

@@ -210,6 +210,23 @@ TEST(ParameterFile, RefusesAliasesThatDouble) {
               HasSubstr("more than 100000 values"));
 }
 
+TEST(ParameterFile, RefusesLongWordsWhoseAliasesDouble) {
+  std::string doubling = "a0: &a0 " + std::string(1024, 'x') + "\n";
+  for (int i = 1; i <= 30; ++i) {
+    const std::string last = "*a" + Text(i - 1), name = "a" + Text(i);
+    doubling += name + ": &" + name + " [" + last + ", " + last + "]\n";
+  }
+  // a_i has 2^i KiB, those up to it 2^(i+1) − 2: too many at the first half of a9.
+  EXPECT_EQ(AnswerTo(doubling),
+            "arm.yaml:10:10: more than 512 KiB, the words of an alias counted wherever it stands");
+}
+
+TEST(ParameterFile, HasNoLineThatIsLongerThanAFile) {
+  const auto file = ParameterFile::ReadText("a: " + std::string(200 << 10, '\x1b'), "arm.yaml");
+  EXPECT_EQ(ErrorOf([&] { file.yaml(); }),
+            "arm.yaml:1:1: in one line, without aliases, it is longer than 512 KiB");
+}
+
 TEST(ParameterFile, AnswersToHugeTextsWithinBounds) {
   for (const std::string begin : {"", "a: ", "{a: ", "- "})
     for (const std::string part : {"[",
