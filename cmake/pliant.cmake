@@ -94,6 +94,12 @@ if(PLIANT_SANITIZE MATCHES undefined)
   list(APPEND pliant_test_options -fno-sanitize=undefined)
 endif()
 
+# What no test takes [s].
+set(pliant_test_timeout 600)
+if(PLIANT_SANITIZE OR PLIANT_COVERAGE)
+  set(pliant_test_timeout 3600)
+endif()
+
 # pliant_test(FOLDER/NAME_test.cc [LIBRARIES …] [LABELS …]): one test program, one CTest entry FOLDER/NAME.
 function(pliant_test source)
   cmake_parse_arguments(ARG "" "" "LIBRARIES;LABELS" ${ARGN})
@@ -106,7 +112,7 @@ function(pliant_test source)
   target_compile_options(${target} PRIVATE ${pliant_test_options})
   target_precompile_headers(${target} REUSE_FROM pliant_precompiled)
   add_test(NAME ${name} COMMAND ${target})
-  set_tests_properties(${name} PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT 600)
+  set_tests_properties(${name} PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT ${pliant_test_timeout})
 endfunction()
 
 # pliant_bench(NAME.cc [LIBRARIES …]): one Google Benchmark program.

@@ -78,7 +78,7 @@ set_target_properties(analysis_mcap_sample PROPERTIES RUNTIME_OUTPUT_DIRECTORY $
 add_test(NAME analysis/mcap
          COMMAND Python3::Interpreter -B ${CMAKE_CURRENT_SOURCE_DIR}/analysis/mcap/mcap_test.py
                  $<TARGET_FILE:analysis_mcap_sample> ${CMAKE_CURRENT_BINARY_DIR}/mcap)
-set_tests_properties(analysis/mcap PROPERTIES TIMEOUT 600)
+set_tests_properties(analysis/mcap PROPERTIES TIMEOUT ${pliant_test_timeout})
 
 # The schema of experiment files, read by a validator.
 add_executable(analysis_experiment_sample analysis/experiment_sample.cc)
@@ -100,5 +100,5 @@ target_precompile_headers(analysis_fault_matrix_test REUSE_FROM pliant_precompil
 foreach(mode position torque torque_high_velocity current)
   add_test(NAME analysis/fault_matrix/${mode}
            COMMAND analysis_fault_matrix_test --gtest_filter=*/${mode})
-  set_tests_properties(analysis/fault_matrix/${mode} PROPERTIES TIMEOUT 600)
+  set_tests_properties(analysis/fault_matrix/${mode} PROPERTIES TIMEOUT ${pliant_test_timeout})
 endforeach()

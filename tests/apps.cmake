@@ -16,7 +16,7 @@ if(TARGET pliant)
   foreach(name arm_run damage doctor emulate emulate_gen3 graph hardware identify identify_dynamics interruption output own_arm scenario sweep)
     add_test(NAME apps/${name}
              COMMAND Python3::Interpreter -B ${CMAKE_CURRENT_SOURCE_DIR}/apps/${name}_test.py $<TARGET_FILE:pliant>)
-    set_tests_properties(apps/${name} PROPERTIES TIMEOUT 300)
+    set_tests_properties(apps/${name} PROPERTIES TIMEOUT ${pliant_test_timeout})
   endforeach()
 
   # Each experiment on the papers, held against the table of docs/experiments.md; what takes minutes
@@ -29,6 +29,6 @@ if(TARGET pliant)
     add_test(NAME experiments/${name}
              COMMAND Python3::Interpreter -B ${CMAKE_CURRENT_SOURCE_DIR}/apps/experiments_test.py
                      $<TARGET_FILE:pliant> ${PROJECT_SOURCE_DIR} ${name})
-    set_tests_properties(experiments/${name} PROPERTIES TIMEOUT 600)
+    set_tests_properties(experiments/${name} PROPERTIES TIMEOUT ${pliant_test_timeout})
   endforeach()
 endif()

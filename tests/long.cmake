@@ -6,7 +6,7 @@ add_executable(soak long/soak.cc)
 target_link_libraries(soak PRIVATE pliant_options pliant::diagrams)
 target_compile_options(soak PRIVATE ${pliant_test_options})
 add_test(NAME long/soak COMMAND soak 10000 4 2)
-set_tests_properties(long/soak PROPERTIES TIMEOUT 600)
+set_tests_properties(long/soak PROPERTIES TIMEOUT ${pliant_test_timeout})
 
 set_target_properties(gen3_fuzz soak PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/tests)
 

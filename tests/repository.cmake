@@ -5,7 +5,7 @@
 function(repository_test name)
   add_test(NAME repository/${name}
            COMMAND Python3::Interpreter -B ${CMAKE_CURRENT_SOURCE_DIR}/repository/${name}_test.py ${ARGN})
-  set_tests_properties(repository/${name} PROPERTIES TIMEOUT 600)
+  set_tests_properties(repository/${name} PROPERTIES TIMEOUT ${pliant_test_timeout})
 endfunction()
 
 repository_test(layers ${PROJECT_SOURCE_DIR})
@@ -40,7 +40,7 @@ endforeach()
 if(TARGET reference)
   add_test(NAME repository/reference COMMAND ${DOXYGEN} ${PROJECT_BINARY_DIR}/reference/Doxyfile
            WORKING_DIRECTORY ${PROJECT_BINARY_DIR}/include)
-  set_tests_properties(repository/reference PROPERTIES TIMEOUT 600)
+  set_tests_properties(repository/reference PROPERTIES TIMEOUT ${pliant_test_timeout})
 endif()
 
 set(libraries)
