@@ -180,7 +180,7 @@ struct ParameterFile::Node {
   std::string yaml() const {
     const std::string begin = tag.empty() ? "" : "!" + tag + " ";
     if (kind == Kind::Word) return begin + WordText(word, quoted);
-    if (kind == Kind::Nothing) return begin + (tag.empty() ? "~" : "");
+    if (kind == Kind::Nothing) return begin + "~";
     std::string all;
     for (const Entry& entry : inner)
       all += (all.empty() ? "" : ", ") +
