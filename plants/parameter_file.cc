@@ -267,6 +267,8 @@ class ParameterFile::Reader final : public YAML::EventHandler {
   void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
                 const std::string& word) override {
     if (at_key()) {
+      if (word.size() > kMostOfKey)
+        Fail(mark, "the key " + Quoted(word) + " has more than " + Text(kMostOfKey) + " bytes");
       if (!open_.back().keys.insert(word).second) Fail(mark, Quoted(word) + " is given twice");
       open_.back().node.inner.push_back({word, Place(mark), nullptr});
       open_.back().node.bytes += word.size();
@@ -309,6 +311,7 @@ class ParameterFile::Reader final : public YAML::EventHandler {
 
  private:
   static constexpr std::size_t kMostOpen = 32, kMostValues = 100'000;
+  static constexpr std::size_t kMostOfKey = 255;  // YAML reads 1024 letters; \x1b of one byte are 4
 
   struct Collection {
     Node node;

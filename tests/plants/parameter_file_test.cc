@@ -130,7 +130,7 @@ TEST(ParameterFile, RefusesDeepNesting) {
 }
 
 TEST(ParameterFile, QuotesOnlyTheBeginningOfHugeWords) {
-  const std::string huge(100'000, 'x');
+  const std::string huge(100'000, 'x'), key(200, 'x');
   const std::string start = std::string(60, 'x') + "…'";
   const auto error = [](const std::string& text, auto use) {
     return ErrorOf([&] { use(ParameterFile::ReadText(text, kSource)); });
@@ -139,10 +139,10 @@ TEST(ParameterFile, QuotesOnlyTheBeginningOfHugeWords) {
             "arm.yaml:1:1: expected a number, got '" + start);
   EXPECT_THAT(error(huge, [](const ParameterFile& f) { f.OneOf({"rigid"}); }),
               StartsWith("arm.yaml:1:1: expected one of rigid, got '" + start));
-  EXPECT_THAT(error("{? " + huge + " : 1}", [](const ParameterFile& f) { f.RequireKeys({"a"}); }),
+  EXPECT_THAT(error("{? " + key + " : 1}", [](const ParameterFile& f) { f.RequireKeys({"a"}); }),
               StartsWith("arm.yaml:1:4: there is no '" + start + " here"));
-  EXPECT_EQ(ErrorIn("{? " + huge + " : 1, ? " + huge + " : 2}"),
-            "arm.yaml:1:100012: '" + start + " is given twice");
+  EXPECT_EQ(ErrorIn("{? " + key + " : 1, ? " + key + " : 2}"),
+            "arm.yaml:1:212: '" + start + " is given twice");
   EXPECT_EQ(error(std::string(400, '9'), [](const ParameterFile& f) { f.number(); }),
             "arm.yaml:1:1: expected a number, got '" + std::string(60, '9') + "…'");
 }
@@ -222,6 +222,14 @@ TEST(ParameterFile, RefusesLongWordsWhoseAliasesDouble) {
   // a_i has 2^i KiB, those up to it 2^(i+1) − 2: too many at the first half of a9.
   EXPECT_EQ(AnswerTo(doubling),
             "arm.yaml:10:10: more than 512 KiB, the words of an alias counted wherever it stands");
+}
+
+TEST(ParameterFile, RefusesLongKeys) {
+  const std::string longest(255, '\x1b');
+  EXPECT_EQ(AnswerTo(longest + "\x1b: 1\n"),
+            "arm.yaml:1:1: the key '" + longest.substr(0, 60) + "…' has more than 255 bytes");
+  const std::string text = ParameterFile::ReadText(longest + ": 1\n", "arm.yaml").yaml();
+  EXPECT_EQ(ParameterFile::ReadText(text, "arm.yaml").yaml(), text);
 }
 
 TEST(ParameterFile, HasNoLineThatIsLongerThanAFile) {
